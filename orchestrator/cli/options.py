@@ -23,7 +23,7 @@ StudyOutput = Generator[str | Table | Path, None, bool]
 all is well."""
 
 
-def _shipped_or_own(path: Path) -> Path:
+def shipped_or_own(path: Path) -> Path:
     """Return a path that exists, and else that of a case which comes with the program."""
     from orchestrator.case import shipped
 
@@ -33,7 +33,7 @@ def _shipped_or_own(path: Path) -> Path:
 CasePath = Annotated[
     Path,
     typer.Argument(
-        metavar="CASE", callback=_shipped_or_own, help="folder of a case, or name of one of the program's"
+        metavar="CASE", callback=shipped_or_own, help="folder of a case, or name of one of the program's"
     ),
 ]
 Level = Annotated[
@@ -46,7 +46,7 @@ Overrides = Annotated[
 StudyPath = Annotated[
     Path,
     typer.Argument(
-        metavar="STUDY", callback=_shipped_or_own, help="study.toml of a design study, or its folder"
+        metavar="STUDY", callback=shipped_or_own, help="study.toml of a design study, or its folder"
     ),
 ]
 Out = Annotated[Path | None, typer.Option("--out", help="folder of the study [default: runs/<case>-<study>]")]

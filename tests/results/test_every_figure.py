@@ -38,8 +38,10 @@ OF_OTHERS = (
     "results.screening.whole_feed",
     "results.motion.run_down",
     "results.motion.ground",
+    "results.bulk",
 )
-"""Tables that a steady run of all sizes, of a machine in the air that does not stop, does not have."""
+"""Tables that a steady run of all sizes, of a machine in the air that does not stop and without boxes of
+``[bulk]``, does not have."""
 
 
 @pytest.fixture(scope="module")

@@ -214,6 +214,14 @@ class Probe(Table):
     """Id of the particle."""
 
 
+class Bulk(Table):
+    """A box in which grains are measured as a bulk at output times: mass, density, slope of their free
+    surface."""
+
+    box_m: Box
+    """Lowest and highest corner, in world axes."""
+
+
 class Case(Table):
     """A case with one of its levels."""
 
@@ -248,6 +256,8 @@ class Case(Table):
     """Strip of the width that is computed."""
     probes: dict[Name, Probe] = Field(default_factory=dict)
     """Probes by name."""
+    bulk: dict[Name, Bulk] = Field(default_factory=dict)
+    """Boxes in which the bulk is measured, by name."""
     coupling: Coupling = Field(default_factory=Coupling)
     """Exchange between the solvers."""
     exchange: Exchange = Field(default_factory=Exchange)

@@ -155,6 +155,7 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     "bed": ("particles", "mass_kg", "mean_speed_m_per_s", "mean_velocity_m_per_s", "highest_m"),
     "overlaps": ("between_m", "between_per_diameter", "surface_m", "surface_per_diameter"),
     "profile": ("along_m", "mass_kg", "velocity_m_per_s", "depth_m"),
+    "bulk": ("mass_kg", "density_kg_per_m3", "slope_deg"),
     "wear": ("worn_m3", "mean_m", "depth_m"),
     "held": ("stickers", "mass_kg", "pegged_kg", "openings"),
 }

@@ -33,6 +33,7 @@ from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.mpi import is_first
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import counted_cycle_s, cycle_number, cycle_s
+from orchestrator.output.records.bulk import measure_bulk
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.deck_record import DeckRecord
 from orchestrator.output.records.frame_loads import FrameLoadRecord
@@ -146,6 +147,7 @@ class Recorder:
         if deck is not None and machine.material is not None:
             along_deck = [machine.panels[number].name for number, _ in deck.panels]
             self._history.describe("removed", "panels", along_deck)
+        self._bulk = case.bulk
         self._deck = DeckRecord(deck, lines, cycle_s(case), openings_m(case)) if deck else None
         if self._deck is not None:
             self._parts["held"] = self._deck.retained
@@ -231,6 +233,8 @@ class Recorder:
             for feed in machine.material.feed.feeds:
                 self._history.add(f"feeds/{feed.inlet.name}", time_s, columns("feeds", feed))
             self._history.add("bed", time_s, _describe_bed(particles))
+            for name, box in self._bulk.items():
+                self._history.add(f"bulk/{name}", time_s, measure_bulk(box, particles))
             if self._deck is not None:
                 self._add_groups(time_s, self._deck.at(time_s, surface, particles))
             self._particles.add(time_s, particle_mesh(particles))

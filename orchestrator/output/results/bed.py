@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from math import isnan
+
 import numpy as np
 
 from orchestrator.case.deck.line import DeckLine
 from orchestrator.case.deck.openings import openings_m
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.figures.estimate import Estimate
-from orchestrator.figures.material import Bed, Held, Passing, Profile, Transport
+from orchestrator.figures.material import Bed, BulkAtEnd, Held, Passing, Profile, Transport
 from orchestrator.output.cycles import ROUNDING, cycle_numbers
 from orchestrator.output.records.deck_record import HELD_CYCLES, bins_m
+from orchestrator.output.records.history import COLUMNS
 from orchestrator.output.results.estimate import IntervalOf, mean_by_cycles, ratio_by_cycles, share
 from orchestrator.output.results.events import OVERSIZE, UNDERSIZE, Events, EventTable, per_cycle
 from orchestrator.output.results.run_reader import RunReader
@@ -150,3 +153,13 @@ def transport(events: Events, deck: DeckLine | None) -> Transport:
         residence_velocity_m_per_s=events.figure(lambda s: length_m * share(s[1], s[0]), sums),
         passing=Passing(along_m=(edges_m[1:] + edges_m[:-1]) / 2, rate_kg_per_s_m=rate),
     )
+
+
+def bulk_at_end(run: RunReader) -> dict[str, BulkAtEnd] | None:
+    """Return what the last row says of each box of ``[bulk]``; None without such boxes."""
+    boxes = {}
+    for name in run.names("bulk"):
+        last = {key: float(run.read(f"bulk/{name}/{key}")[-1]) for key in COLUMNS["bulk"]}
+        slope_deg = last.pop("slope_deg")
+        boxes[name] = BulkAtEnd(**last, slope_deg=None if isnan(slope_deg) else slope_deg)
+    return boxes or None

@@ -88,6 +88,10 @@ class ResponseTable(Table):
     """Standard deviation, where a run gives no interval."""
     steady: bool = False
     """Whether only a steady run counts."""
+    target: Number | None = None
+    """Measured value that the factors are to meet, for ``flipflow study calibrate``."""
+    target_deviation: Positive | None = None
+    """Its standard deviation."""
 
 
 class PlanTable(Table):
@@ -373,6 +377,7 @@ def _check_factors_and_responses(file: StudyFile, problems: list[CaseProblem]) -
             what = f"{low!r} to {high!r} is no more than rounding"
             problems.append(CaseProblem(("factors", name, "range"), what, kind="out-of-range"))
     for name, response in file.responses.items():
+        problems.extend(_wrong_target(name, response))
         try:
             problems.extend(_unlike_its_result(name, response) if file.case else ())
         except KeyError as error:
@@ -403,6 +408,15 @@ def _unlike_its_result(name: str, response: ResponseTable) -> Iterator[CaseProbl
     if response.scale == "percent" and unit != "%":
         what = f"{result} is in {unit}, and the scale is of percents"
         yield CaseProblem(("responses", name, "scale"), what, "plain and logarithm are of any unit")
+
+
+def _wrong_target(name: str, response: ResponseTable) -> Iterator[CaseProblem]:
+    if (response.target is None) != (response.target_deviation is None):
+        missing = "target" if response.target is None else "target_deviation"
+        yield CaseProblem(("responses", name, missing), "missing", "give both", kind="missing")
+    elif response.target is not None and not SCALES[response.scale].has(response.target):
+        what = f"{response.target:g} is not on the scale {response.scale}"
+        yield CaseProblem(("responses", name, "target"), what, kind="out-of-range")
 
 
 def _check_names(file: StudyFile, problems: list[CaseProblem]) -> None:
@@ -546,8 +560,9 @@ def _aims(file: StudyFile, problems: list[CaseProblem]) -> dict[str, Aim]:
     limited = {limit.response for each in limits for limit in each.values()}
     if wanted & limited:
         problems.append(CaseProblem(("goals",), "a response is a goal and has a limit"))
-    if not file.goals and file.case and file.search.runs != 0:
-        hint = 'give a goal, or "search.runs = 0"'
+    has_target = any(response.target is not None for response in file.responses.values())
+    if not file.goals and not has_target and file.case and file.search.runs != 0:
+        hint = 'give a goal, a target of a response, or "search.runs = 0"'
         problems.append(CaseProblem(("goals",), "nothing to search for", hint))
     if sum(len(each) > 1 for each in limits) > 1:
         problems.append(CaseProblem(("limits",), "more than one limit has several values"))
