@@ -10,7 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from orchestrator.figures.figure import Figure, every_figure, figure, figure_along, scaled
 from orchestrator.figures.machine import Course, Motion, PointRange, Power, Wear
-from orchestrator.figures.material import Bed, BulkAtEnd, Contacts, Held, Screening, Steady, Transport
+from orchestrator.figures.material import Bed, BulkMean, Contacts, Held, Screening, Steady, Transport
 
 Summary = Mapping[str, Any]
 """The table of ``summary.json``."""
@@ -64,8 +64,8 @@ class Results:
     )
     bed: Bed | None = figure("bed on the deck", optional=True, part="particles")
     held: Held | None = figure("what the openings hold", optional=True, part="particles")
-    bulk: dict[str, BulkAtEnd] | None = figure(
-        "grains in each box of `[bulk]`, at the end", optional=True, part="particles"
+    bulk: dict[str, BulkMean] | None = figure(
+        "grains in each box of `[bulk]`, means over the second half of the run", optional=True, part="particles"
     )
     wear: Wear | None = figure(
         "wear of the panels", "where contacts have specific wear", optional=True, part="panels"

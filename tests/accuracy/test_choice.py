@@ -133,15 +133,16 @@ def by_seed(frame_m: float, velocity_m_per_s: float, by: float) -> list[dict[str
 
 
 def test_a_point_that_takes_longer_than_its_reference_is_not_recommended(tmp_path: Path) -> None:
-    """The longer intervals are off by 4 %, and took longer than the better short ones."""
+    """The longer intervals are off by 4 %, and took longer than the better short ones.  Own ones are lost."""
     points = (
-        point(tmp_path, "base", {}, [flow(1.2, 1.0)], panel=10.0),
+        point(tmp_path, "base", {}, [flow(1.02, 1.0)], panel=30.0),
         point(tmp_path, "coupling-long", {"coupling": LONG}, [flow(1.04, 1.0)], panel=25.0),
         point(tmp_path, "coupling-short", {"coupling": SHORT}, [flow(1.0, 1.0)], panel=20.0),
     )
     made = study(tmp_path, *points)
-    assert made.recommend(0.1).row is None
-    assert "no dearer than the reference" in [*advice(made)][1]
+    row = made.recommend(0.1).row
+    assert row is not None
+    assert row.point.name == "coupling-short"
     cheaper = replace(points[1], metrics=point(tmp_path, "", {}, [flow(1.04, 1.0)], panel=15.0).metrics)
     row = study(tmp_path, points[0], cheaper, points[2]).recommend(0.1).row
     assert row is not None
@@ -165,8 +166,8 @@ def test_the_front_has_no_point_that_is_better_by_chance(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("by", [0.0001, 0.003])
 def test_a_plan_recommends_what_its_study_recommends(tmp_path: Path, by: float) -> None:
-    """The console and the page of both say so, although the finest setting is itself off by an estimated 6
-    %."""
+    """The console and the page of both say so.  The finest setting is itself off by an estimated 6 %, which
+    comes to the 6 % of the own one."""
     series = (replace(SERIES[0], expected=1.0), *SERIES[1:])
     points = (
         point(tmp_path, "base", {}, by_seed(1.06, 1.0, by), panel=10.0),
@@ -187,7 +188,7 @@ def test_a_plan_recommends_what_its_study_recommends(tmp_path: Path, by: float) 
         row, planned = made.recommend(tolerance).row, stored.recommend(tolerance)
         assert (row and row.point.sets) == (planned and planned.sets)
         recommended.append(row and row.point.name)
-    assert recommended == [None, None, None, "base", "coupling-long"]
+    assert recommended == [None, None, None, "coupling-short", "base"]
 
 
 def test_the_best_point_is_the_reference_where_its_run_is_lost(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ def measure_bulk(bulk: Bulk, particles: ParticleSnapshot) -> dict[str, float]:
 
     A grain that the box cuts counts with the share of its volume inside, as a sphere of equal volume.  The
     slope is that of the plane through the highest points of columns as wide as the largest grain, by least
-    squares; NaN where fewer than four of them have grains.
+    squares, without grains that touch no other; NaN where fewer than four columns have grains.
     """
     low_m, high_m = np.array(bulk.box_m)
     reach_m = particles.grains.bounding_radius_m[:, None]
@@ -48,8 +48,12 @@ def _points_in_a_ball() -> Array:
 
 
 def _slope_deg(particles: ParticleSnapshot, low_m: Array, high_m: Array) -> float:
-    _, center_m, radius_m = placed_spheres(particles.grains, particles.position_m, particles.orientation)
+    grain, center_m, radius_m = placed_spheres(
+        particles.grains, particles.position_m, particles.orientation
+    )
     within = ((center_m >= low_m) & (center_m <= high_m)).all(axis=1)
+    if particles.contacts is not None:
+        within &= particles.contacts[grain] > 0
     if not within.any():
         return math.nan
     side_m = 2 * float(particles.grains.bounding_radius_m.max())

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from math import isnan
-
 import numpy as np
 
 from orchestrator.case.deck.line import DeckLine
 from orchestrator.case.deck.openings import openings_m
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.figures.estimate import Estimate
-from orchestrator.figures.material import Bed, BulkAtEnd, Held, Passing, Profile, Transport
+from orchestrator.figures.material import Bed, BulkMean, Held, Passing, Profile, Transport
 from orchestrator.output.cycles import ROUNDING, cycle_numbers
 from orchestrator.output.records.deck_record import HELD_CYCLES, bins_m
 from orchestrator.output.records.history import COLUMNS
@@ -155,11 +153,18 @@ def transport(events: Events, deck: DeckLine | None) -> Transport:
     )
 
 
-def bulk_at_end(run: RunReader) -> dict[str, BulkAtEnd] | None:
-    """Return what the last row says of each box of ``[bulk]``; None without such boxes."""
+def mean_bulk(run: RunReader) -> dict[str, BulkMean] | None:
+    """Return the means over the second half of the run for each box of ``[bulk]``; None without such boxes."""
     boxes = {}
     for name in run.names("bulk"):
-        last = {key: float(run.read(f"bulk/{name}/{key}")[-1]) for key in COLUMNS["bulk"]}
-        slope_deg = last.pop("slope_deg")
-        boxes[name] = BulkAtEnd(**last, slope_deg=None if isnan(slope_deg) else slope_deg)
+        late = run.read(f"bulk/{name}/time_s") > run.end_s / 2
+        mass_kg, density_kg_per_m3, slope_deg = (
+            run.read(f"bulk/{name}/{key}")[late] for key in COLUMNS["bulk"]
+        )
+        known_deg = slope_deg[np.isfinite(slope_deg)]
+        boxes[name] = BulkMean(
+            mass_kg=float(mass_kg.mean()),
+            density_kg_per_m3=float(density_kg_per_m3.mean()),
+            slope_deg=float(known_deg.mean()) if len(known_deg) else None,
+        )
     return boxes or None

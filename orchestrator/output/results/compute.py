@@ -17,7 +17,7 @@ from orchestrator.figures.machine import Motion, Power
 from orchestrator.figures.material import CohortShares, Screening, Steady, WholeFeed
 from orchestrator.figures.results import BATCH, COHORT, WHOLE_FEED, Results
 from orchestrator.output.results import machine
-from orchestrator.output.results.bed import bed_metrics, bulk_at_end, retained_metrics, transport
+from orchestrator.output.results.bed import bed_metrics, mean_bulk, retained_metrics, transport
 from orchestrator.output.results.cohort import FEWEST, cohort
 from orchestrator.output.results.contacts import contacts
 from orchestrator.output.results.course import course
@@ -56,7 +56,7 @@ def compute_results(folder: Path) -> Results:
             slice_width_m=None if whole.slice is None else whole.slice.width_m,
         )
         with record_error(results.failed, "bulk"):
-            results.bulk = bulk_at_end(run)
+            results.bulk = mean_bulk(run)
         if len(run.edges_s) < 2:
             results.missing["everything"] = "the run did not last for one cycle of the machine"
             return results

@@ -117,7 +117,7 @@ def _numerics(study: AccuracyStudy, scene: str) -> Iterator[Mark]:
     for one in every:
         of_axis = [other for other in every if other.series.axis == one.series.axis]
         reference = max(of_axis, key=lambda other: other.series.rank).points[-1]
-        curve = one.series.title + (f": {one.series.variant}" if len(of_axis) > 1 else "")
+        curve = one.series.title + (f": {one.series.variant}" if one is not of_axis[0] else "")
         for setting, point in zip(one.settings, one.points, strict=True):
             if point is not reference:
                 worst = worst_error(errors(point, reference, study.spread), study.deciding(reference))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,8 @@ from orchestrator.workbench import Metrics, Picture
 
 DEEP = 1e4  # the ratio of the largest error to the least error that is drawn
 LEAST = 1e-6  # smaller errors are drawn at this value
+TOO_SHORT = 0.3  # error of a shorter run from which on it is not drawn: it says nothing of the longer one
+BESIDE = 1.6  # ratio of the errors of bands whose names would lie over each other
 MARKS = "os^vDPX<>"
 RED, BLACK, GREY, GREEN = "#c1443c", "#111111", "#888888", "#0f8a8a"
 
@@ -168,6 +170,7 @@ def draw_layers(marks: Sequence[Mark], file: Path) -> Path:
 def _draw_scene(axis: Any, title: str, marks: Sequence[Mark], looks: Mapping[str, dict[str, str]]) -> None:
     shown = [m for m in marks if m.layer in (layers.NUMERICS, layers.TOGETHER) and m.error and m.s_per_s]
     bands = [m for m in marks if m.layer not in (layers.NUMERICS, layers.TOGETHER, layers.LOST) and m.error]
+    bands = [m for m in bands if m.layer != layers.STATISTICS or (m.error or 0.0) < TOO_SHORT]
     for curve, look in looks.items():
         of_curve = [mark for mark in shown if mark.curve == curve]  # from coarse to fine
         axis.plot(*_spots(of_curve), color=look["color"], lw=1.1, alpha=0.8)
@@ -193,10 +196,23 @@ def _draw_scene(axis: Any, title: str, marks: Sequence[Mark], looks: Mapping[str
         if mark.layer == layers.LOST and mark.s_per_s:
             axis.plot(mark.s_per_s, 0.97, "x", color=RED, ms=7, transform=axis.get_xaxis_transform())
     near = {"fontsize": 7.5, "color": BLACK, "ha": "right", "va": "bottom"}
-    for mark in bands:
-        axis.text(
-            0.995, mark.error, f"{mark.curve}: {mark.label}", transform=axis.get_yaxis_transform(), **near
-        )
+    for error, names in _band_names(bands):
+        axis.text(0.995, error, names, transform=axis.get_yaxis_transform(), **near)
+
+
+def _band_names(bands: Sequence[Mark]) -> Iterator[tuple[float, str]]:
+    """Yield where names of bands stand, and the names; those of bands too near to each other are joined."""
+    groups: list[list[Mark]] = []
+    for mark in sorted(bands, key=lambda mark: -(mark.error or 0.0)):
+        if groups and BESIDE * (mark.error or 0.0) >= (groups[-1][0].error or 0.0):
+            groups[-1].append(mark)
+        else:
+            groups.append([mark])
+    for group in groups:
+        labels: dict[str, list[str]] = {}
+        for mark in group:
+            labels.setdefault(mark.curve, []).append(mark.label)
+        yield group[0].error or 0.0, "; ".join(f"{curve}: {', '.join(of)}" for curve, of in labels.items())
 
 
 def _spots(marks: Sequence[Mark]) -> tuple[list[float], list[float]]:

@@ -155,6 +155,8 @@ class Runs:
         """Tell whether a result may depend on the material; the own probes of frames are in no table."""
         if FROM_THE_BED.fullmatch(result):
             return True
+        if result.startswith("results.bulk."):
+            return False  # of the second half, whatever the feed does
         part = self.centre.part_of(result)
         return part == "particles" or not (part or result.startswith(("results.motion.", "probes.")))
 
