@@ -25,17 +25,15 @@ class Fact:
 
     @property
     def published(self) -> str:
-        """What is published, in words; each number of it once."""
-        every = (each.reference_in_words or each.row.why for each in self.results)
-        return "; ".join(dict.fromkeys(filter(None, every)))
+        """What is published beside the worst number, in words."""
+        return self.results[0].reference_in_words or self.results[0].row.why
 
     @property
     def ours(self) -> str:
-        """Our numbers in words, each with its case, and with its verdict where there are several."""
-        several = len(self.results) > 1
-        return "; ".join(
-            f"{each.case} {each.value_in_words}" + (f" ({each.verdict})" if several else "")
-            for each in self.results
+        """The worst of our numbers in words, with its case, and of how many it is the worst."""
+        worst, several = self.results[0], len(self.results) > 1
+        return f"{worst.value_in_words}, {worst.case}" + (
+            f" (worst of {len(self.results)})" if several else ""
         )
 
 

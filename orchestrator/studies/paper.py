@@ -24,17 +24,20 @@ from orchestrator.workbench.vocabulary import did_you_mean
 RECORDED = ("case", "criterion", "value", "half width", "unit")
 FACT_HEAD = ("fact", "published", "ours", "verdict")
 RULES = (
-    "A **fact** is one thing that a paper says. It counts once, however many of our numbers are held against "
-    "it, and its verdict is that of the worst of them. Misses come first.",
-    "*Met* and *NOT MET* are verdicts on numbers that were **predicted**: no value of the case was chosen to "
-    "meet them. The band is the interval that the source's own error gives, to both sides; *sign only* "
-    "stands for an effect whose sign is published and no size. *Chance* stands for an effect that our runs "
-    "cannot tell from none: zero lies in our interval, and so does a part of the band. A number that is "
-    "*fitted*, *published* or *assumed* proves nothing. *As own theory* compares with a closed form of our "
-    "own, not with a measurement. Intervals are 95 % confidence intervals of our runs; they do not contain "
-    "what a case assumes.",
+    "A **fact** is one thing that a paper says. It counts once, with the verdict of the worst of our numbers "
+    "for it. Misses come first. Intervals are 95 % confidence intervals of our runs, without what a case "
+    "assumes.",
+    "- *Met* and *NOT MET*: the number was **predicted**. No value of the case was chosen to meet it. The band "
+    "is the source's own error, to both sides.\n"
+    "- *Sign only*: the sign of an effect is published, its size is not.\n"
+    "- *Chance*: our runs cannot tell the effect from none. Zero and a part of the band lie in our interval.\n"
+    "- *As own theory*: the reference is a closed form of our own, not a measurement.\n"
+    "- *Fitted*, *assumed* or *published*, and inside: the number proves nothing.",
 )
 HEAD = ("number", "published", "experiment", "ours", "distance", "ours is", "band", "verdict")
+JUDGED_HEAD = ("number", "published", "ours", "distance", "band", "verdict")
+UNJUDGED = ("fitted, inside", "assumed, inside", "published, inside", "not compared")
+"""Verdicts of numbers that ``paper.csv`` and ``paper.html`` have, and ``paper.md`` only counts."""
 
 
 def find_papers(study: CaseStudy) -> list[tuple[CaseCriteria, Path]]:
@@ -116,7 +119,8 @@ def write_paper(
     """Write ``paper.md`` and ``paper.html``: every published number beside ours, and return both files.
 
     ``recorded`` is the file of the numbers if they were measured before.
-    Facts come first, each once, and the misses among them before the rest.
+    Facts come first, each once, and the misses among them before the rest.  ``paper.md`` has the numbers that
+    are judged, ``paper.html`` every number.
     """
     facts = predicted_facts(results)
     of_file = "" if recorded is None else f" --recorded {recorded}"
@@ -131,6 +135,7 @@ def write_paper(
         for paper, of_case in results
     ]
     of_facts = [(fact.name, fact.published, fact.ours, fact.verdict) for fact in facts]
+    judged = [HEAD.index(name) for name in JUDGED_HEAD]
     text = [
         "# Published numbers and ours",
         f"`flipflow study paper {study.case}{of_file}` makes this page. {counted}",
@@ -141,7 +146,8 @@ def write_paper(
     for paper, of_case, notes, rows in parts:
         level = f", level {paper.level}" if paper.level else ""
         text += [f"## {paper.name}{level}", f"{paper.criteria.source}. {of_case}", *notes]
-        text.append(markdown_table(HEAD, rows))
+        shown = [[cells[i] for i in judged] for cells in rows if cells[-1] not in UNJUDGED]
+        text += [markdown_table(JUDGED_HEAD, shown)] if shown else []
     folder = StudyFolder(study.folder)
     file = folder.write_text("paper.md", "\n\n".join(part.rstrip() for part in text) + "\n")
     page = folder.write_page(
