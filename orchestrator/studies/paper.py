@@ -27,11 +27,11 @@ RULES = (
     "A **fact** is one thing that a paper says. It counts once, with the verdict of the worst of our numbers "
     "for it. Misses come first. Intervals are 95 % confidence intervals of our runs, without what a case "
     "assumes.",
-    "- *Met* and *NOT MET*: the number was **predicted**. No value of the case was chosen to meet it. The band "
-    "is the source's own error, to both sides.\n"
+    "- *Met* and *NOT MET*: the number was **predicted**. No value of the case was chosen to meet it. "
+    "The band is the source's own error.\n"
     "- *Sign only*: the sign of an effect is published, its size is not.\n"
-    "- *Chance*: our runs cannot tell the effect from none. Zero and a part of the band lie in our interval.\n"
-    "- *As own theory*: the reference is a closed form of our own, not a measurement.\n"
+    "- *Chance*: our interval holds zero and a part of the band, so that there may be no effect.\n"
+    "- *As own theory*: the reference is a closed form of our own.\n"
     "- *Fitted*, *assumed* or *published*, and inside: the number proves nothing.",
 )
 HEAD = ("number", "published", "experiment", "ours", "distance", "ours is", "band", "verdict")
