@@ -23,19 +23,6 @@ class Fact:
         """The worst verdict of its numbers."""
         return self.results[0].verdict
 
-    @property
-    def published(self) -> str:
-        """What is published beside the worst number, in words."""
-        return self.results[0].reference_in_words or self.results[0].row.why
-
-    @property
-    def ours(self) -> str:
-        """The worst of our numbers in words, with its case, and of how many it is the worst."""
-        worst, several = self.results[0], len(self.results) > 1
-        return f"{worst.value_in_words}, {worst.case}" + (
-            f" (worst of {len(self.results)})" if several else ""
-        )
-
 
 def predicted_facts(results: Sequence[tuple[CaseCriteria, Sequence[CriterionResult]]]) -> list[Fact]:
     """Return the facts that our numbers predict, the worst first.

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from orchestrator.studies.criteria import FILE, read_criteria
-from orchestrator.studies.facts import predicted_facts
+from orchestrator.studies.facts import Fact, predicted_facts
 from orchestrator.studies.points import CaseStudy
 from orchestrator.studies.recorded import read_rows
 from orchestrator.studies.report import markdown_table
@@ -22,11 +22,11 @@ from orchestrator.workbench import CaseError, CaseProblem, StudyFolder
 from orchestrator.workbench.vocabulary import did_you_mean
 
 RECORDED = ("case", "criterion", "value", "half width", "unit")
-FACT_HEAD = ("fact", "published", "ours", "verdict")
+FACT_HEAD = ("fact", "number", "published", "ours", "distance", "band", "verdict")
 RULES = (
     "A **fact** is one thing that a paper says. It counts once, with the verdict of the worst of our numbers "
-    "for it. Misses come first. Intervals are 95 % confidence intervals of our runs, without what a case "
-    "assumes.",
+    "for it. Misses come first. Intervals are 95 % confidence intervals of our runs; they do not contain "
+    "what a case assumes.",
     "- *Met* and *NOT MET*: the number was **predicted**. No value of the case was chosen to meet it. "
     "The band is the source's own error.\n"
     "- *Sign only*: the sign of an effect is published, its size is not.\n"
@@ -35,8 +35,7 @@ RULES = (
     "- *Fitted*, *assumed* or *published*, and inside: the number proves nothing.",
 )
 HEAD = ("number", "published", "experiment", "ours", "distance", "ours is", "band", "verdict")
-JUDGED_HEAD = ("number", "published", "ours", "distance", "band", "verdict")
-UNJUDGED = ("fitted, inside", "assumed, inside", "published, inside", "not compared")
+COUNTED = ("fitted, inside", "assumed, inside", "published, inside", "not compared")
 """Verdicts of numbers that ``paper.csv`` and ``paper.html`` have, and ``paper.md`` only counts."""
 
 
@@ -119,8 +118,8 @@ def write_paper(
     """Write ``paper.md`` and ``paper.html``: every published number beside ours, and return both files.
 
     ``recorded`` is the file of the numbers if they were measured before.
-    Facts come first, each once, and the misses among them before the rest.  ``paper.md`` has the numbers that
-    are judged, ``paper.html`` every number.
+    Facts come first, the misses among them before the rest.  ``paper.html`` has every number, ``paper.md``
+    the numbers of facts and those that are out of their band.
     """
     facts = predicted_facts(results)
     of_file = "" if recorded is None else f" --recorded {recorded}"
@@ -134,8 +133,8 @@ def write_paper(
         )
         for paper, of_case in results
     ]
-    of_facts = [(fact.name, fact.published, fact.ours, fact.verdict) for fact in facts]
-    judged = [HEAD.index(name) for name in JUDGED_HEAD]
+    of_facts = [cells for fact in facts for cells in fact_rows(fact)]
+    of_a_fact = {id(each) for fact in facts for each in fact.results}
     text = [
         "# Published numbers and ours",
         f"`flipflow study paper {study.case}{of_file}` makes this page. {counted}",
@@ -143,11 +142,12 @@ def write_paper(
         "## Facts",
         markdown_table(FACT_HEAD, of_facts),
     ]
-    for paper, of_case, notes, rows in parts:
+    for (paper, counted_of_case, notes, _), (_, of_case) in zip(parts, results, strict=True):
         level = f", level {paper.level}" if paper.level else ""
-        text += [f"## {paper.name}{level}", f"{paper.criteria.source}. {of_case}", *notes]
-        shown = [[cells[i] for i in judged] for cells in rows if cells[-1] not in UNJUDGED]
-        text += [markdown_table(JUDGED_HEAD, shown)] if shown else []
+        text += [f"## {paper.name}{level}", f"{paper.criteria.source}. {counted_of_case}", *notes]
+        others = [each for each in worst_first(of_case) if id(each) not in of_a_fact]
+        shown = [row(each) for each in others if each.verdict not in COUNTED]
+        text += [markdown_table(HEAD, shown)] if shown else []
     folder = StudyFolder(study.folder)
     file = folder.write_text("paper.md", "\n\n".join(part.rstrip() for part in text) + "\n")
     page = folder.write_page(
@@ -160,6 +160,31 @@ def write_paper(
         facts=of_facts,
     )
     return [file, page]
+
+
+def fact_rows(fact: Fact) -> list[tuple[str, ...]]:
+    """Return the words of a fact for a table with the columns ``FACT_HEAD``: a row for each number.
+
+    A reason of a band that several numbers have stands in the first row.
+    """
+    rows, name, reasons = [], fact.name, {""}
+    for each in fact.results:
+        what = "" if each.row.what == fact.name else f"{each.row.what}, "
+        reason = "" if each.row.why in reasons else f" ({each.row.why})"
+        rows.append(
+            (
+                name,
+                f"{what}{each.case}{reason}",
+                each.reference_in_words,
+                each.value_in_words,
+                each.distance_in_words,
+                each.band_in_words,
+                each.verdict,
+            )
+        )
+        name = ""
+        reasons.add(each.row.why)
+    return rows
 
 
 def row(result: CriterionResult) -> tuple[str, ...]:
