@@ -25,17 +25,17 @@ RECORDED = ("case", "criterion", "value", "half width", "unit")
 FACT_HEAD = ("fact", "number", "published", "ours", "distance", "band", "verdict")
 RULES = (
     "A **fact** is one thing that a paper says. It counts once, with the verdict of the worst of our numbers "
-    "for it. Misses come first. Intervals are 95 % confidence intervals of our runs; they do not contain "
-    "what a case assumes.",
+    "for it. Misses come first.\n"
+    "Intervals are 95 % confidence intervals of our runs; they do not contain what a case assumes.",
     "- *Met* and *NOT MET*: the number was **predicted**. No value of the case was chosen to meet it. "
     "The band is the source's own error.\n"
     "- *Sign only*: the sign of an effect is published, its size is not.\n"
     "- *Chance*: our interval holds zero and a part of the band, so that there may be no effect.\n"
-    "- *As own theory*: the reference is a closed form of our own.\n"
-    "- *Fitted*, *assumed* or *published*, and inside: the number proves nothing.",
+    "- Only counted here: *as own theory*, beside a closed form of our own; *not compared*; *fitted*, "
+    "*assumed* or *published*, and inside, which proves nothing.",
 )
 HEAD = ("number", "published", "experiment", "ours", "distance", "ours is", "band", "verdict")
-COUNTED = ("fitted, inside", "assumed, inside", "published, inside", "not compared")
+COUNTED = ("as own theory", "fitted, inside", "assumed, inside", "published, inside", "not compared")
 """Verdicts of numbers that ``paper.csv`` and ``paper.html`` have, and ``paper.md`` only counts."""
 
 
@@ -163,12 +163,15 @@ def write_paper(
 
 
 def fact_rows(fact: Fact) -> list[tuple[str, ...]]:
-    """Return the words of a fact for a table with the columns ``FACT_HEAD``: a row for each number.
+    """Return the words of a fact for a table with the columns ``FACT_HEAD``: a row for each number that says
+    something of the source.
 
     A reason of a band that several numbers have stands in the first row.
     """
     rows, name, reasons = [], fact.name, {""}
     for each in fact.results:
+        if each.verdict in COUNTED:
+            continue
         what = "" if each.row.what == fact.name else f"{each.row.what}, "
         reason = "" if each.row.why in reasons else f" ({each.row.why})"
         rows.append(
