@@ -168,7 +168,8 @@ def fact_rows(fact: Fact) -> list[tuple[str, ...]]:
 
     A reason of a band that several numbers have stands in the first row.
     """
-    rows, name, reasons = [], fact.name, {""}
+    rows: list[tuple[str, ...]] = []
+    name, reasons = fact.name, {""}
     for each in fact.results:
         if each.verdict in COUNTED:
             continue
