@@ -142,12 +142,17 @@ def write_paper(
         "## Facts",
         markdown_table(FACT_HEAD, of_facts),
     ]
-    for (paper, counted_of_case, notes, _), (_, of_case) in zip(parts, results, strict=True):
+    of_cases, source = [], ""
+    for paper, counted_of_case, notes, _ in parts:
         level = f", level {paper.level}" if paper.level else ""
-        text += [f"## {paper.name}{level}", f"{paper.criteria.source}. {counted_of_case}", *notes]
-        others = [each for each in worst_first(of_case) if id(each) not in of_a_fact]
-        shown = [row(each) for each in others if each.verdict not in COUNTED]
-        text += [markdown_table(HEAD, shown)] if shown else []
+        of_source = "the same source" if paper.criteria.source == source else paper.criteria.source
+        source = paper.criteria.source
+        after = "".join(f"  {note}\n" for note in notes)
+        of_cases.append(f"- **{paper.name}**{level}: {counted_of_case}\n  ({of_source})\n{after}".rstrip())
+    text += ["## Cases", "\n".join(of_cases)]
+    others = [each for _, of_case in results for each in of_case if id(each) not in of_a_fact]
+    shown = [(each.case, *row(each)) for each in worst_first(others) if each.verdict not in COUNTED]
+    text += ["## Other numbers out of their band", markdown_table(("case", *HEAD), shown)] if shown else []
     folder = StudyFolder(study.folder)
     file = folder.write_text("paper.md", "\n\n".join(part.rstrip() for part in text) + "\n")
     page = folder.write_page(
