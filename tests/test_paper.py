@@ -372,8 +372,10 @@ def papers_of(folder: Path) -> tuple[CaseStudy, list[str]]:
 
 
 def test_all_papers_of_a_folder_are_one_table(case: Path) -> None:
-    """Cases without a source are no papers; each number comes with distance, interval and origin."""
-    for name, text in (("other", HEAD + ROW + 'ours = "fitted"\n'), ("known", HEAD.partition("\n")[2] + ROW)):
+    """Cases without a source are no papers; each judged number comes with distance and interval, and those
+    that prove nothing are counted."""
+    fitted = ROW.replace("[5.4, 6.6]", "[8.0, 9.0]") + 'ours = "fitted"\n'
+    for name, text in (("other", HEAD + fitted), ("known", HEAD.partition("\n")[2] + ROW)):
         case_folder(case.parent / name, (case / "case.toml").read_text())
         (case.parent / name / "criteria.toml").write_text(text)
     study, files = papers_of(case.parent)
@@ -382,9 +384,11 @@ def test_all_papers_of_a_folder_are_one_table(case: Path) -> None:
     assert [(row["case"], row["ours"]) for row in rows] == [("case", "predicted"), ("other", "fitted")]
     text = (study.folder / "paper.md").read_text()
     assert "Of 1 facts: 1 NOT MET." in text
-    line = "| a | 6 mm |  | 8.64 ± 0.05 mm | +2.6 mm (+44 %) | predicted | 5.4 to 6.6 mm | NOT MET |"
+    line = "| stroke | a, case | 6 mm | 8.64 ± 0.05 mm | +2.6 mm (+44 %) | 5.4 to 6.6 mm | NOT MET |"
     assert line in text
-    assert "8.64 ± 0.05 mm" in (study.folder / "paper.html").read_text()
+    assert "a, other" not in text
+    assert "- **other**: Of 1 numbers: 1 fitted, inside.\n  (the same source)" in text
+    assert (study.folder / "paper.html").read_text().count("<td>a</td>") == 2
 
 
 def two_readings(case: Path) -> None:
@@ -401,11 +405,10 @@ def test_a_fact_counts_once_with_its_worst_number_and_misses_come_first(case: Pa
     study, _ = papers_of(case.parent)
     text = (study.folder / "paper.md").read_text()
     assert "Of 2 facts: 1 NOT MET, 1 met." in text
-    facts = [line for line in text.splitlines() if line.startswith(("| stroke", "| slow stroke"))]
-    assert facts[0].startswith("| stroke | 6 mm | other 8.64 ± 0.05 mm (NOT MET); case 8.64 ± 0.05 mm (met);")
-    assert [line.split(" | ")[-1] for line in facts] == ["NOT MET |", "met |"]
-    of_other = text[text.index("## other") :]
-    assert of_other.index("| c |") < of_other.index("| a |")
+    facts = [line.split(" | ") for line in text.splitlines() if line.endswith(("NOT MET |", "met |"))]
+    assert [cells[0] for cells in facts] == ["| stroke", "| ", "| ", "| slow stroke"]
+    assert [cells[1] for cells in facts] == ["c, other", "a, case", "a, other", "b, case"]
+    assert [cells[-1] for cells in facts] == ["NOT MET |", "met |", "met |", "met |"]
     page = (study.folder / "paper.html").read_text()
     assert page.index("slow stroke") > page.index("<td>stroke")
 
@@ -427,9 +430,9 @@ def test_the_page_of_recorded_numbers_needs_no_run(case: Path) -> None:
     table.write_text(head + "case,a,8.5,,mm,an old run\ncase,b,,,mm,\nnowhere,a,1,,mm,\n")
     assert [*command(again, recorded=table)]
     text = (again.folder / "paper.md").read_text()
-    assert "\n\nan old run\n\n" in text
+    assert "\n  an old run\n" in text
     assert "| 8.5 mm |" in text
-    assert "| slow stroke | 6 mm | case no number | no number |" in text
+    assert "| slow stroke | b, case | 6 mm | no number |" in text
     assert "not recorded" in text
 
 

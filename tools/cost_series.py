@@ -3,7 +3,7 @@
 The tool runs shipped cases for a short time, three of them with every model of panels, frames and particles,
 and compares their processor time with the predicted time, part by part.  Processor time hardly depends on
 other work of the machine up to its number of cores, but it differs between processors.  Measured figures:
-docs/measured/cost.md, whose tables the test suite compares with the predictions.
+docs/measured/cost.csv, which the test suite compares with the predictions.
 """
 
 from __future__ import annotations

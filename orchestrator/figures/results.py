@@ -65,7 +65,10 @@ class Results:
     bed: Bed | None = figure("bed on the deck", optional=True, part="particles")
     held: Held | None = figure("what the openings hold", optional=True, part="particles")
     bulk: dict[str, BulkMean] | None = figure(
-        "grains in each box of `[bulk]`, means over the second half of the run", optional=True, part="particles"
+        "grains in each box of `[bulk]`",
+        "means over the second half of the run",
+        optional=True,
+        part="particles",
     )
     wear: Wear | None = figure(
         "wear of the panels", "where contacts have specific wear", optional=True, part="panels"

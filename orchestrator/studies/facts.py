@@ -23,21 +23,6 @@ class Fact:
         """The worst verdict of its numbers."""
         return self.results[0].verdict
 
-    @property
-    def published(self) -> str:
-        """What is published, in words; each number of it once."""
-        every = (each.reference_in_words or each.row.why for each in self.results)
-        return "; ".join(dict.fromkeys(filter(None, every)))
-
-    @property
-    def ours(self) -> str:
-        """Our numbers in words, each with its case, and with its verdict where there are several."""
-        several = len(self.results) > 1
-        return "; ".join(
-            f"{each.case} {each.value_in_words}" + (f" ({each.verdict})" if several else "")
-            for each in self.results
-        )
-
 
 def predicted_facts(results: Sequence[tuple[CaseCriteria, Sequence[CriterionResult]]]) -> list[Fact]:
     """Return the facts that our numbers predict, the worst first.

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from orchestrator.studies.criteria import FILE, read_criteria
-from orchestrator.studies.facts import predicted_facts
+from orchestrator.studies.facts import Fact, predicted_facts
 from orchestrator.studies.points import CaseStudy
 from orchestrator.studies.recorded import read_rows
 from orchestrator.studies.report import markdown_table
@@ -22,19 +22,21 @@ from orchestrator.workbench import CaseError, CaseProblem, StudyFolder
 from orchestrator.workbench.vocabulary import did_you_mean
 
 RECORDED = ("case", "criterion", "value", "half width", "unit")
-FACT_HEAD = ("fact", "published", "ours", "verdict")
+FACT_HEAD = ("fact", "number", "published", "ours", "distance", "band", "verdict")
 RULES = (
-    "A **fact** is one thing that a paper says. It counts once, however many of our numbers are held against "
-    "it, and its verdict is that of the worst of them. Misses come first.",
-    "*Met* and *NOT MET* are verdicts on numbers that were **predicted**: no value of the case was chosen to "
-    "meet them. The band is the interval that the source's own error gives, to both sides; *sign only* "
-    "stands for an effect whose sign is published and no size. *Chance* stands for an effect that our runs "
-    "cannot tell from none: zero lies in our interval, and so does a part of the band. A number that is "
-    "*fitted*, *published* or *assumed* proves nothing. *As own theory* compares with a closed form of our "
-    "own, not with a measurement. Intervals are 95 % confidence intervals of our runs; they do not contain "
-    "what a case assumes.",
+    "A **fact** is one thing that a paper says. It counts once, with the verdict of the worst of our numbers "
+    "for it. Misses come first.\n"
+    "Intervals are 95 % confidence intervals of our runs; they do not contain what a case assumes.",
+    "- *Met* and *NOT MET*: the number was **predicted**. No value of the case was chosen to meet it. "
+    "The band is the source's own error.\n"
+    "- *Sign only*: the sign of an effect is published, its size is not.\n"
+    "- *Chance*: our interval holds zero and a part of the band, so that there may be no effect.\n"
+    "- Only counted here: *as own theory*, beside a closed form of our own; *not compared*; *fitted*, "
+    "*assumed* or *published*, and inside, which proves nothing.",
 )
 HEAD = ("number", "published", "experiment", "ours", "distance", "ours is", "band", "verdict")
+COUNTED = ("as own theory", "fitted, inside", "assumed, inside", "published, inside", "not compared")
+"""Verdicts of numbers that ``paper.csv`` and ``paper.html`` have, and ``paper.md`` only counts."""
 
 
 def find_papers(study: CaseStudy) -> list[tuple[CaseCriteria, Path]]:
@@ -116,7 +118,8 @@ def write_paper(
     """Write ``paper.md`` and ``paper.html``: every published number beside ours, and return both files.
 
     ``recorded`` is the file of the numbers if they were measured before.
-    Facts come first, each once, and the misses among them before the rest.
+    Facts come first, the misses among them before the rest.  ``paper.html`` has every number, ``paper.md``
+    the numbers of facts and those that are out of their band.
     """
     facts = predicted_facts(results)
     of_file = "" if recorded is None else f" --recorded {recorded}"
@@ -130,7 +133,8 @@ def write_paper(
         )
         for paper, of_case in results
     ]
-    of_facts = [(fact.name, fact.published, fact.ours, fact.verdict) for fact in facts]
+    of_facts = [cells for fact in facts for cells in fact_rows(fact)]
+    of_a_fact = {id(each) for fact in facts for each in fact.results}
     text = [
         "# Published numbers and ours",
         f"`flipflow study paper {study.case}{of_file}` makes this page. {counted}",
@@ -138,10 +142,17 @@ def write_paper(
         "## Facts",
         markdown_table(FACT_HEAD, of_facts),
     ]
-    for paper, of_case, notes, rows in parts:
+    of_cases, source = [], ""
+    for paper, counted_of_case, notes, _ in parts:
         level = f", level {paper.level}" if paper.level else ""
-        text += [f"## {paper.name}{level}", f"{paper.criteria.source}. {of_case}", *notes]
-        text.append(markdown_table(HEAD, rows))
+        of_source = "the same source" if paper.criteria.source == source else paper.criteria.source
+        source = paper.criteria.source
+        after = "".join(f"  {note}\n" for note in notes)
+        of_cases.append(f"- **{paper.name}**{level}: {counted_of_case}\n  ({of_source})\n{after}".rstrip())
+    text += ["## Cases", "\n".join(of_cases)]
+    others = [each for _, of_case in results for each in of_case if id(each) not in of_a_fact]
+    shown = [(each.case, *row(each)) for each in worst_first(others) if each.verdict not in COUNTED]
+    text += ["## Other numbers out of their band", markdown_table(("case", *HEAD), shown)] if shown else []
     folder = StudyFolder(study.folder)
     file = folder.write_text("paper.md", "\n\n".join(part.rstrip() for part in text) + "\n")
     page = folder.write_page(
@@ -154,6 +165,35 @@ def write_paper(
         facts=of_facts,
     )
     return [file, page]
+
+
+def fact_rows(fact: Fact) -> list[tuple[str, ...]]:
+    """Return the words of a fact for a table with the columns ``FACT_HEAD``: a row for each number that says
+    something of the source.
+
+    A reason of a band that several numbers have stands in the first row.
+    """
+    rows: list[tuple[str, ...]] = []
+    name, reasons = fact.name, {""}
+    for each in fact.results:
+        if each.verdict in COUNTED:
+            continue
+        what = "" if each.row.what == fact.name else f"{each.row.what}, "
+        reason = "" if each.row.why in reasons else f" ({each.row.why})"
+        rows.append(
+            (
+                name,
+                f"{what}{each.case}{reason}",
+                each.reference_in_words,
+                each.value_in_words,
+                each.distance_in_words,
+                each.band_in_words,
+                each.verdict,
+            )
+        )
+        name = ""
+        reasons.add(each.row.why)
+    return rows
 
 
 def row(result: CriterionResult) -> tuple[str, ...]:

@@ -154,7 +154,7 @@ def transport(events: Events, deck: DeckLine | None) -> Transport:
 
 
 def mean_bulk(run: RunReader) -> dict[str, BulkMean] | None:
-    """Return the means over the second half of the run for each box of ``[bulk]``; None without such boxes."""
+    """Return the means in the second half of the run for each box of ``[bulk]``; None without boxes."""
     boxes = {}
     for name in run.names("bulk"):
         late = run.read(f"bulk/{name}/time_s") > run.end_s / 2

@@ -202,7 +202,10 @@ def warnings(study: AccuracyStudy) -> Iterator[str]:
         yield "How far the reference is itself off is unknown: the parameters do not compare all its settings"
     elif study.reference_error:
         left = percent(study.reference_error)
-        yield f"The reference is itself off by an estimated {left}, which is in none of the errors; recommendations allow for it"
+        yield (
+            f"The reference is itself off by an estimated {left}, which is in none of the errors; "
+            "recommendations allow for it"
+        )
     for row in study.rows:
         for name, error in row.answers.items() if row.point.name == study.reference else ():
             if error > min(RECOMMENDED):
