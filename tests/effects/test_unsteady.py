@@ -120,7 +120,7 @@ TOUCHED = Unsteady(  # a mode at 0.63 of the speed, which the machine passes on 
         "screen.panels.deck.pitch_m=0.35",
         "screen.panels.deck.tension_m=0.008",
         "screen.panels.deck.stops.beam={from_m=0.12, to_m=0.18, gap_m=0.022}",
-        "coupling.sync_interval_s=4e-4",
+        "panel.cells=[22,1]",
         "duration_s=1.0",
     ),
 )  # fmt: skip

@@ -18,9 +18,10 @@ from tests.runs.outside import QUICK, flipflow, run_words
 
 REAL = (pytest.mark.solver, pytest.mark.process, pytest.mark.slow)
 ALL = (*QUICK, "output.loads_s=2e-4", "duration_s=0.03")
+SHORT = "coupling.sync_interval_s=2e-4"
 RUNS = {
-    "translating": ("empty-machine", (*ALL, "frames.solver=two-mass")),
-    "turning": ("empty-machine", (*ALL, "frames.solver=exudyn")),
+    "translating": ("empty-machine", (*ALL, SHORT, "frames.solver=two-mass")),
+    "turning": ("empty-machine", (*ALL, SHORT, "frames.solver=exudyn")),
     "loaded": ("quickstart", (*ALL, "frames.solver=exudyn", "bed.blocks.coal.count=200")),
     "motor": ("motor-start", ALL),
 }

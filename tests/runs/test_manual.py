@@ -32,6 +32,7 @@ def documented(heading: str, column: int = 1) -> set[str]:
 LEDGER = documented("### `energy_ledger_J`")
 WEAR = "contacts.1.specific_wear_m3_per_N_m=1e-12"
 STOPS = "screen.panels.deck.stops.flange={from_m=0.0, to_m=0.04, gap_m=0.012}"
+BULK = "bulk.bed={box_m=[[0.1, 0.0, -0.1], [0.2, 0.2, 0.1]]}"
 CUT = "output.cut_size_m=0.017"  # the quickstart's panels have no openings that would tell it
 MOTOR = (
     "screen.exciters.shaft.motor={rated_power_W=900, synchronous_speed_rad_per_s=80, rated_slip=0.04, "
@@ -48,7 +49,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def short_run(folder: Path) -> Path:
-    done = flipflow(*run_words("quickstart", folder, ["duration_s=0.02", WEAR, STOPS]))
+    done = flipflow(*run_words("quickstart", folder, ["duration_s=0.02", WEAR, STOPS, BULK]))
     assert done.returncode == 0, done.stderr
     return folder
 
@@ -84,7 +85,7 @@ def test_the_keys_of_the_iterations() -> None:
 
 def test_the_keys_of_the_results(folder: Path) -> None:
     cycles = folder.parent / "cycles"
-    done = flipflow(*run_words("quickstart", cycles, [*QUICK, "duration_s=0.17", CUT, WEAR]))
+    done = flipflow(*run_words("quickstart", cycles, [*QUICK, "duration_s=0.17", CUT, WEAR, BULK]))
     assert done.returncode == 0, done.stderr
     results = summary(cycles)["results"]
     others = {"course", "contacts", "slice_width_m"}  # eighteen cycles; a hundred fines that left; a slice
@@ -94,7 +95,7 @@ def test_the_keys_of_the_results(folder: Path) -> None:
         assert set(results[name]) == documented(f"### `results.{name}`") - of_feeds
     with h5py.File(cycles / "history.h5") as history:
         assert set(history["results"]) == set(results)
-    few = {"missing", "failed", "share_of_width"}
+    few = {"missing", "failed", "share_of_width", "bulk"}
     assert set(summary(folder)["results"]) == few, "it lasts less than a cycle"
 
 

@@ -18,7 +18,8 @@ PLATE = (
 
 @pytest.mark.parametrize("interval_s", ["0.08", "0.002"])
 def test_a_panel_that_goes_through_a_plate_stops_the_run(interval_s: str, tmp_path: Path) -> None:
-    sets = [PLATE, f"output.interval_s={interval_s}", "output.pictures=false", "duration_s=0.4"]
+    numerics = ["coupling.sync_interval_s=2e-4", "panel.cells=[22,1]"]
+    sets = [PLATE, *numerics, f"output.interval_s={interval_s}", "output.pictures=false", "duration_s=0.4"]
     code = launch.run(ROOT / "cases/empty-machine", "draft", tmp_path / "run", sets)
     assert code == launch.FAILED
     about = summary(tmp_path / "run")

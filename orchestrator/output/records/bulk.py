@@ -48,9 +48,7 @@ def _points_in_a_ball() -> Array:
 
 
 def _slope_deg(particles: ParticleSnapshot, low_m: Array, high_m: Array) -> float:
-    grain, center_m, radius_m = placed_spheres(
-        particles.grains, particles.position_m, particles.orientation
-    )
+    grain, center_m, radius_m = placed_spheres(particles.grains, particles.position_m, particles.orientation)
     within = ((center_m >= low_m) & (center_m <= high_m)).all(axis=1)
     if particles.contacts is not None:
         within &= particles.contacts[grain] > 0

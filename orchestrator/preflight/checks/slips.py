@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.bed.grains import sieve_sizes_m
+from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.plausible import MISTAKEN
 from orchestrator.case.tables.case import Case, has_particles
@@ -31,6 +32,8 @@ LARGEST_G = 15.0
 LARGEST_STROKE_M = 0.03
 LEAST_G = 0.3
 """What screens do, with a margin: 290 to 1530 rpm, 2 to 10 g, and amplitudes of 1 to 15 mm."""
+BENCH_G = 0.01
+"""Without panels, what moves so slowly is a bench of grains."""
 CANCELLED = 0.02  # of the sum of the forces' sizes
 SMALL_RAD = 0.05  # 3 degrees: a number of degrees from here to 1 may be meant in radians
 
@@ -45,6 +48,8 @@ def refused_motion(case: Case) -> Iterator[CaseProblem]:
 def unusual_motion(shaken: Scene) -> Iterator[CaseProblem]:
     """Yield a problem for each speed that no screen has or, if there is none, for a motion that none has."""
     case, hardest = shaken.case, _hardest(shaken)
+    if hardest.acceleration_g < BENCH_G and not [*single_panels(case)]:
+        return
     moves = f"{name_frame(hardest.frame)} moves with {hardest.acceleration_g:.3g} g"
     moves += f" and a stroke of {1e3 * hardest.stroke_m:.3g} mm (amplitude)"
     if hardest.acceleration_g > (limit_g := _allowed_g(case)):

@@ -18,22 +18,23 @@ from orchestrator.preflight.scene.scene import Scene
 OPEN = "what edges change of rebounds and of passing, spheres do not tell"
 
 
-def judge(scene: Scene) -> Verdict | None:
-    """Return the verdict by whether a lone sphere stops rolling on the flattest panel; None without a deck.
+def judge(scene: Scene) -> Verdict:
+    """Judge by whether a lone sphere stops rolling on the flattest panel of a deck.
 
     It matters where nothing stops it: the results then depend on the length of the deck.
     """
-    rolling = rolling_on_deck(scene)
-    if rolling is None:
-        return None
-    level = rolling.slope < LEVEL
-    return Verdict(
-        number="mu_r / tan(slope)",
-        value=None if level else rolling.friction / rolling.slope,
-        threshold=f"1 (a lone sphere stops), or {FEWEST_LAYERS:g} layers (own choice)",
-        matters=True if rolling.is_endless else None,
-        why=f"a sphere that rolls runs ever faster: {rolling.in_words}" if rolling.is_endless else OPEN,
+    number, threshold = (
+        "mu_r / tan(slope)",
+        f"1 (a lone sphere stops), or {FEWEST_LAYERS:g} layers (own choice)",
     )
+    rolling = rolling_on_deck(scene)
+    if rolling is None or not rolling.is_endless:
+        slopes = rolling is not None and rolling.slope >= LEVEL
+        return Verdict(
+            number, rolling.friction / rolling.slope if rolling and slopes else None, threshold, None, OPEN
+        )
+    why = f"a sphere that rolls runs ever faster: {rolling.in_words}"
+    return Verdict(number, rolling.friction / rolling.slope, threshold, True, why)
 
 
 def left_out(case: Case) -> str:

@@ -25,6 +25,8 @@ FROM_THE_BED = re.compile(
     r"wear|work_per_feed|results\.wear\..*|results\.power\.drives_J_per_kg|.*\.load_N\..*"
 )
 """Results of panels and drives that the material makes."""
+OF_THE_RUN = ("results.bulk.", "energy_ledger_J.")
+"""The beginnings of results that a steady state does not define."""
 
 
 def has_ended(run: Run) -> bool:
@@ -147,6 +149,8 @@ class Runs:
     def _not_steady(self, run: Run, responses: Iterable[str]) -> str:
         """Say why the bed, of which frames and panels tell nothing, or the machine is not steady."""
         results = [self._study.file.responses[name].result or name for name in responses]
+        if all(result.startswith(OF_THE_RUN) for result in results):
+            return ""
         bed, motion = run.why_transient
         bed = bed if any(map(self._is_of_the_bed, results)) else ""
         return "; ".join(filter(None, (bed, motion and f"the machine has not settled: {motion}")))
@@ -155,8 +159,6 @@ class Runs:
         """Tell whether a result may depend on the material; the own probes of frames are in no table."""
         if FROM_THE_BED.fullmatch(result):
             return True
-        if result.startswith("results.bulk."):
-            return False  # of the second half, whatever the feed does
         part = self.centre.part_of(result)
         return part == "particles" or not (part or result.startswith(("results.motion.", "probes.")))
 
