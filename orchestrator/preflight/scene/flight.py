@@ -19,6 +19,7 @@ from orchestrator.ports import Array, Indices
 PATH_STEP_M = 0.03  # Longest piece of a path that is taken as straight; it sags by less than 1 mm.
 LONGEST_S = 3.0  # Flights are followed for this time; they fall 44 m.
 PARALLEL = 1e-12  # Determinant below which a ray counts as parallel to a triangle.
+RIM_M = 1e-6  # Rounding of the ends of steps and of triangles, with room.
 AT_ONCE = 2_000_000  # Pairs of rays and triangles that are intersected at once.
 
 
@@ -59,16 +60,30 @@ def first_hits(start_m: Array, step_m: Array, corners_m: Array) -> tuple[Array, 
     each step before the hit (n,), infinite without one, and the triangle's number (n,), -1 without one.
     """
     share, number = np.full(len(start_m), np.inf), np.full(len(start_m), -1)
-    if not len(corners_m):
+    near = _near_steps(start_m, step_m, corners_m)
+    if not len(near):
         return share, number
-    chunk = max(1, AT_ONCE // len(corners_m))
+    chunk = max(1, AT_ONCE // len(near))
     for first in range(0, len(start_m), chunk):
         part = slice(first, first + chunk)
-        shares = intersect(start_m[part], step_m[part], corners_m)
+        shares = intersect(start_m[part], step_m[part], corners_m[near])
         nearest = shares.argmin(axis=1)
         share[part] = shares[np.arange(len(shares)), nearest]
-        number[part] = np.where(np.isfinite(share[part]), nearest, -1)
+        number[part] = np.where(np.isfinite(share[part]), near[nearest], -1)
     return share, number
+
+
+def _near_steps(start_m: Array, step_m: Array, corners_m: Array) -> Indices:
+    """Return the numbers of the triangles (m, 3, 3) whose boxes meet the box around all steps (n, 3)."""
+    ends_m = np.concatenate([start_m, start_m + step_m])
+    if not len(ends_m):
+        return np.empty(0, dtype=np.int64)
+    low_m, high_m = ends_m.min(axis=0) - RIM_M, ends_m.max(axis=0) + RIM_M
+    near = np.arange(len(corners_m))
+    for axis in range(3):
+        along_m = corners_m[near, :, axis]
+        near = near[(along_m.min(axis=1) <= high_m[axis]) & (along_m.max(axis=1) >= low_m[axis])]
+    return near
 
 
 def intersect(start_m: Array, step_m: Array, corners_m: Array) -> Array:
