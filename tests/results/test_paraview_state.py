@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -33,10 +34,12 @@ from paraview import simple
 exec(compile(open("{STATE}").read(), "{STATE}", "exec"))
 shown = dict()
 for (name, _), source in simple.GetSources().items():
-    display, data = simple.GetDisplayProperties(source, view), source.GetDataInformation()
-    array = display.ColorArrayName[1] if display.Visibility else None
+    # to ask for the properties of what is not shown would show it
+    is_shown = view.SMProxy.FindRepresentation(source.SMProxy, 0) is not None
+    array = simple.GetDisplayProperties(source, view).ColorArrayName[1] if is_shown else None
     bar = simple.GetColorTransferFunction(array).RGBPoints if array else ()
-    shown[name] = [bool(display.Visibility), data.GetNumberOfCells(), array, [*bar[:1], *bar[-4:-3]]]
+    cells = source.GetDataInformation().GetNumberOfCells()
+    shown[name] = [is_shown, cells, array, [*bar[:1], *bar[-4:-3]]]
 print("SEEN", json.dumps([scene.AnimationTime, shown]))
 simple.SaveScreenshot("seen.png", view)
 """
@@ -90,7 +93,10 @@ def test_it_opens_what_a_run_has(run: Path, monkeypatch: pytest.MonkeyPatch) -> 
 
 
 @pytest.mark.process
-@pytest.mark.skipif(shutil.which("pvpython") is None, reason="no ParaView: apt-get install python3-paraview")
+@pytest.mark.skipif(
+    shutil.which("pvpython") is None or "DISPLAY" not in os.environ,
+    reason="no ParaView with a screen: apt-get install python3-paraview xvfb, and xvfb-run -a pytest",
+)
 def test_paraview_shows_panels_walls_and_particles(run: Path) -> None:
     """In colours from the smallest to the largest value of the last output time."""
     (run / "seen.py").write_text("import json\n" + SEEN)
