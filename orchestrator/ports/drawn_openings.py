@@ -131,6 +131,11 @@ class DrawnOpenings:
         return float(length_m), float(width_m)
 
     @property
+    def openings_in_period(self) -> int:
+        """The number of openings that are no copies of another one a period apart."""
+        return len(self._in_period)
+
+    @property
     def solid_share(self) -> float:
         """The material's share of the area of a period."""
         return float(1.0 - self.areas_m2[self._in_period].sum() / math.prod(self.period_m))

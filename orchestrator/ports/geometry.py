@@ -498,11 +498,19 @@ def contact_points(position_m: Array, radius_m: Array, corners_m: Array) -> tupl
     """
     from scipy.spatial import cKDTree
 
+    nothing = np.empty(0, dtype=np.int64), np.empty((0, 3))
     if not len(position_m) or not len(corners_m):
-        return np.empty(0, dtype=np.int64), np.empty((0, 3))
+        return nothing
     largest_m = radius_m.max()
     low_m, high_m = corners_m.min(axis=(0, 1)) - largest_m, corners_m.max(axis=(0, 1)) + largest_m
     close = np.flatnonzero(((position_m >= low_m) & (position_m <= high_m)).all(axis=1))
+    if not len(close):
+        return nothing
+    low_m, high_m = position_m[close].min(axis=0) - largest_m, position_m[close].max(axis=0) + largest_m
+    beside = (corners_m.max(axis=1) < low_m) | (corners_m.min(axis=1) > high_m)
+    corners_m = corners_m[~beside.any(axis=1)]
+    if not len(corners_m):
+        return nothing
     center_m = corners_m.mean(axis=1)
     reach_m = np.linalg.norm(corners_m - center_m[:, None], axis=2).max(axis=1) + largest_m
     near = cKDTree(position_m[close]).query_ball_point(center_m, reach_m)
@@ -513,6 +521,18 @@ def contact_points(position_m: Array, radius_m: Array, corners_m: Array) -> tupl
     from_surface_m = place_m - nearest_m
     touching = np.linalg.norm(from_surface_m, axis=1) < radius_m[sphere]
     return sphere[touching], from_surface_m[touching]
+
+
+def distinct_edges(triangles: Indices) -> tuple[Indices, Indices, Indices]:
+    """Return the edges (edges, 2) of triangles (m, 3), each once with the lower number first, and in order.
+
+    Return also the numbers (3 m,) of the edges of all triangles, from the first corner to the second on, and
+    how many triangles share each edge (edges,).
+    """
+    ends = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    size = int(triangles.max(initial=0)) + 1
+    key, number, sharing = np.unique(ends @ [size, 1], return_inverse=True, return_counts=True)
+    return np.column_stack(np.divmod(key, size)), number.reshape(-1), sharing
 
 
 def reach_into(corners_m: Array, box_m: Array) -> npt.NDArray[np.bool_]:

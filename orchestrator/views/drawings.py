@@ -111,8 +111,8 @@ class _Drawing:
         for wall in self._machine.walls:
             color = frame_color(self._machine, wall.frame)
             triangles, edges = self._view.of(wall.triangles_m), list(self._view.of(wall.edges_m))
-            for triangle in triangles:
-                self._axes.add_patch(Polygon(triangle, fc=color, ec="none", alpha=0.07, zorder=1))
+            faces = PolyCollection([*triangles], fc=color, ec="none", alpha=0.07, zorder=1)
+            self._axes.add_collection(faces)
             self._axes.add_collection(LineCollection(edges, colors=color, lw=0.8, alpha=0.7, zorder=2))
             self._lines += edges
             name = wall.name.rstrip("0123456789").rstrip("-") or wall.name

@@ -17,7 +17,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Bushing, Exciter
 from orchestrator.case.tables.screen import Exit
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import area_vectors_m2
+from orchestrator.ports.geometry import area_vectors_m2, distinct_edges
 from orchestrator.ports.plans import ParticleList
 
 FLAT_DEG = 20.0  # Neighbouring triangles that bend less make one face.
@@ -200,9 +200,8 @@ def face_edges_m(position_m: Array, triangles: Indices) -> Array:
     """Return the edges (n, 2, 3) of a surface that belong to one triangle only or to a bend."""
     normal = area_vectors_m2(position_m[triangles])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
-    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    distinct, which, sharing = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
-    owners = np.repeat(np.arange(len(triangles)), 3)[np.argsort(which.ravel(), kind="stable")]
+    distinct, which, sharing = distinct_edges(triangles)
+    owners = np.repeat(np.arange(len(triangles)), 3)[np.argsort(which, kind="stable")]
     first = np.cumsum(sharing) - sharing
     one, other = normal[owners[first]], normal[owners[first + sharing - 1]]
     flat = np.abs(np.einsum("nk,nk->n", one, other)) > np.cos(np.radians(FLAT_DEG))

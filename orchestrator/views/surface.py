@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 
-from orchestrator.case.deck.heal import Healed, edges_of
+from orchestrator.case.deck.heal import Healed
 from orchestrator.ports import Array
-from orchestrator.ports.geometry import area_vectors_m2
+from orchestrator.ports.geometry import area_vectors_m2, distinct_edges
 from orchestrator.views.style import WIDE, figure
 
 OBLIQUE = np.array([0.45, -1.0, 0.6])
@@ -28,7 +28,7 @@ def draw_surface(healed: Healed, title: str) -> Any:
     """Return a figure of a surface in four views, with its open edges in red."""
     fig, axes = figure(2, 2, width=WIDE, height=0.7 * WIDE)
     corners_m = healed.position_m[healed.triangles]
-    edges, sharing = np.unique(np.sort(edges_of(healed.triangles), axis=1), axis=0, return_counts=True)
+    edges, _, sharing = distinct_edges(healed.triangles)
     open_m = healed.position_m[edges[sharing == 1]]
     for plot, (name, rows, labels) in zip(axes.flat, VIEWS, strict=True):
         right_up = _oblique_rows() if rows is None else rows

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.output.records.snapshots import STATE
+
 ROOT = Path(__file__).parents[2]
 FOLDERS = "orchestrator|adapters|tests|cases|docs|docker|meshes"
 PATH = re.compile(rf"`((?:{FOLDERS})/[\w./*<>\[\]-]+)`")
@@ -66,10 +68,11 @@ def test_files_that_are_named_are_there(page: Path) -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=[str(page.relative_to(ROOT)) for page in PAGES])
 def test_sources_that_are_named_without_their_folder_are_there(page: Path) -> None:
-    """The sources are named as ``shaking.py``, or ``exudyn/shaft.py``."""
+    """The sources are named as ``shaking.py``, or ``exudyn/shaft.py``; a run's folder has one of its own."""
     if page.parent.name == "how-to":
         return  # the files of an example are the reader's
     files = [f"/{file.relative_to(ROOT)}" for file in written("*.py", "*.cpp", "*.h")]
+    files.append(f"/{STATE}")
     for name in SOURCE.findall(page.read_text(encoding="utf-8")):
         assert any(fnmatch(file, f"*/{name}") for file in files), name
 

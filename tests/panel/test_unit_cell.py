@@ -169,3 +169,66 @@ def test_openings_that_nearly_repeat_are_nearly_as_stiff_as_those_that_do():
     for axis in (0, 1):
         assert modulus(mean.membrane, axis) == pytest.approx(modulus(one_cell.membrane, axis), rel=0.03)
         assert modulus(mean.bending, axis) == pytest.approx(modulus(one_cell.bending, axis), rel=0.03)
+
+
+def test_a_mirrored_window_of_a_pattern_is_as_stiff_as_its_cell(monkeypatch: pytest.MonkeyPatch):
+    """Squares and their lands are their own mirror images, so that both conditions have the same answer: 1 %,
+    as a finer mesh changes, with as many triangles on a land."""
+    from adapters.panel.finite_element import unit_cell
+
+    monkeypatch.setattr(unit_cell, "TRIANGLES_PER_OPENING", 1000)
+    squares = AperturePattern("rectangle", 0.010, 0.010, 0.015, 0.015)
+    whole = drawn(squares, 2, 3)
+    assert whole.drawn is not None
+    outlines_m = [corners - whole.drawn.region_m[0] for corners in whole.drawn.corners_m]
+    sides_m = np.ptp(whole.drawn.region_m, axis=0)
+    mesh = unit_cell._triangles(whole, outlines_m, sides_m, mirrored=True)
+    periodic, window = cell(squares), unit_cell._stiffness(mesh, sides_m, 0.004, mirrored=True)
+    np.testing.assert_allclose(window[0], periodic.membrane, rtol=0.01, atol=1e-3)
+    np.testing.assert_allclose(window[1], periodic.bending, rtol=0.01, atol=1e-3)
+
+
+def turned_hexagons(rows: int, columns: int) -> AperturePattern:
+    """Hexagons of random sizes, turned at random, which repeat nowhere."""
+    random = np.random.default_rng(1)
+    corners = np.arange(6) * np.pi / 3
+    outlines_m = []
+    for row, column in np.ndindex(rows, columns):
+        angles, radius_m = random.uniform(0, np.pi) + corners, random.uniform(1.5e-3, 2.2e-3)
+        middle_m = 5e-3 + np.array([7.0e-3 * row, 7.2e-3 * column])
+        outlines_m.append(middle_m + radius_m * np.column_stack([np.cos(angles), np.sin(angles)]))
+    panel_m = 7.0e-3 * rows + 5e-3, 7.2e-3 * columns + 5e-3
+    openings = DrawnOpenings(tuple(map(as_outline, outlines_m)), panel_m)
+    return AperturePattern("polygon", *openings.mean_sides_m, *openings.pitch_m, drawn=openings)
+
+
+def test_windows_are_as_stiff_as_the_whole(monkeypatch: pytest.MonkeyPatch):
+    """100 openings as four windows, against all in one cell.  Stretched, bent and twisted: 2 %, two standard
+    errors.  Sheared: windows five pitches wide are too soft by up to 5 % (measured 4 %), as apparent
+    properties are between those of given tractions and of given displacements, which close with the
+    window's size (Huet, J. Mech. Phys. Solids 38 (1990) 813-841, doi 10.1016/0022-5096(90)90041-2)."""
+    from adapters.panel.finite_element import unit_cell
+
+    pattern = turned_hexagons(10, 10)
+    assert pattern.drawn is not None
+    assert pattern.drawn.repeats_m == (0.0, 0.0)
+    whole = cell(pattern)
+    monkeypatch.setattr(unit_cell, "MOST_OPENINGS", 99)
+    windows = unit_cell.cell_stiffness.__wrapped__(pattern, 0.004)
+    for axis in (0, 1):
+        assert modulus(windows.membrane, axis) == pytest.approx(modulus(whole.membrane, axis), rel=0.02)
+        assert modulus(windows.bending, axis) == pytest.approx(modulus(whole.bending, axis), rel=0.02)
+    assert windows.bending[2, 2] == pytest.approx(whole.bending[2, 2], rel=0.02)
+    assert windows.membrane[2, 2] == pytest.approx(whole.membrane[2, 2], rel=0.05)
+    assert (windows.membrane != whole.membrane).any()
+
+
+def test_the_solid_share_of_the_whole_corrects_the_windows():
+    """Stiffness that is linear in the solid share is met from any windows, without an error."""
+    from adapters.panel.finite_element import unit_cell
+
+    shares = np.array([0.6, 0.7, 0.75])
+    exact = np.multiply.outer(shares, np.ones((2, 3, 3)))
+    mean, error = unit_cell._mean(shares, exact, 0.8, windows=20)
+    np.testing.assert_allclose(mean, 0.8, rtol=1e-12)
+    assert error < 1e-12

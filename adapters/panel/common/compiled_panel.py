@@ -56,8 +56,8 @@ def advance_together(
 ) -> PanelState:
     """Advance panels of one kind by one compiled call; clamps, load and the state returned have one panel
     after the other."""
-    check_point_count("panels: clamps", clamps, sum(len(panel._clamps) for panel in panels))
-    check_point_count("panels: load", load, sum(len(panel._surface) for panel in panels))
+    check_point_count("panels: clamps", clamps, sum([len(panel._clamps.position_m) for panel in panels]))
+    check_point_count("panels: load", load, sum([len(panel._surface.position_m) for panel in panels]))
     surface_m, surface_m_per_s = np.empty((2, *load.force_N.shape))
     reaction_N = np.empty_like(clamps.position_m)
     found = kernel.advance_together(

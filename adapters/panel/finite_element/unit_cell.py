@@ -1,7 +1,8 @@
 """The stiffness of a perforated sheet: one cell of its pattern, repeated for ever, on DOLFINx.
 
 gmsh meshes the cell with triangles that match on opposite sides; openings that cross its border
-appear on both sides of it.  Membrane: plane stress.  Bending: Reissner-Mindlin, because lands are
+appear on both sides of it.  Of very many openings that do not repeat, windows with mirrored borders stand
+for all.  Membrane: plane stress.  Bending: Reissner-Mindlin, because lands are
 often no wider than the sheet is thick.  Small strain, incompressible (Poisson's ratio 1/2): only
 geometry counts.
 docs/theory/perforated_panel.md
@@ -10,6 +11,7 @@ docs/theory/perforated_panel.md
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -18,7 +20,8 @@ import numpy as np
 import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
-from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse import coo_array, csc_matrix, identity
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from adapters.panel.finite_element.compiled import assembled_matrix, form, function_space
@@ -29,12 +32,20 @@ from orchestrator.ports.meshing import closed_line, gmsh_session, made_triangles
 TRIANGLES_PER_LAND = 6
 MOST_TRIANGLES = 6_000
 TRIANGLES_PER_OPENING = 60  # of a cell with very many: at least so many
+MOST_OPENINGS = 100  # of a cell that is solved as a whole
+WINDOW = 6.0  # pitches of a window along and across
+FEWEST_WINDOWS = 6
+STANDARD_ERROR = 0.01  # of the mean of windows, over it
 POISSON_RATIO = 0.5
 SHEAR_CORRECTION = 5 / 6
 # plane stress of unit modulus, for strains (11, 22, 2 x 12)
 SOLID = np.array([[1, POISSON_RATIO, 0], [POISSON_RATIO, 1, 0], [0, 0, (1 - POISSON_RATIO) / 2]]) / (
     1 - POISSON_RATIO**2
 )
+
+
+Conditions = list[tuple[list[int], csc_matrix]]
+"""The numbers of unit strains, and the matrix (all unknowns, free unknowns) of their fluctuation."""
 
 
 @dataclass(frozen=True)
@@ -58,13 +69,68 @@ def along(stiffness: Array, hindered_share: float = 0.0) -> float:
 @cache
 def cell_stiffness(apertures: AperturePattern, thickness_m: float) -> CellStiffness:
     """Return the stiffness of the pattern in a sheet of ``thickness_m``; margins do not matter."""
-    cell = _mesh(*cell_triangles(apertures))
-    area_m2 = float(np.prod(cell_m(apertures)))
-    period_m = np.array(cell_m(apertures))
-    return CellStiffness(
-        _effective(_membrane, cell, 2, period_m) / area_m2,
-        _effective(_bending(cell, thickness_m), cell, 3, period_m) / area_m2,
-    )
+    outlines_m, sides_m = _outlines(apertures), np.array(cell_m(apertures))
+    if apertures.drawn is None or apertures.drawn.openings_in_period <= MOST_OPENINGS:
+        return CellStiffness(*_stiffness(cell_triangles(apertures), sides_m, thickness_m, mirrored=False))
+    windows = _windows(outlines_m, sides_m, WINDOW * np.array(apertures.drawn.pitch_m))
+    shares, found = np.empty(0), np.empty((0, 2, 3, 3))
+    for window_m, side_m in windows:
+        mesh = _triangles(apertures, window_m, side_m, mirrored=True)
+        shares = np.append(shares, _area_m2(*mesh) / side_m.prod())
+        found = np.append(found, [_stiffness(mesh, side_m, thickness_m, mirrored=True)], axis=0)
+        mean, error = _mean(shares, found, apertures.solid_share, len(windows))
+        if len(found) >= FEWEST_WINDOWS and error < STANDARD_ERROR:
+            break
+    return CellStiffness(*mean)
+
+
+def _windows(outlines_m: list[Array], sides_m: Array, window_m: Array) -> list[tuple[list[Array], Array]]:
+    """Return the outlines and the sides (2,) of the windows of some ``window_m`` (2,) that fill a cell, in an
+    order that is random, and the same each time."""
+    counts = np.maximum(1, np.round(sides_m / window_m).astype(int))
+    side_m = sides_m / counts
+    places = np.stack(np.unravel_index(np.arange(counts.prod()), counts), axis=1)
+    windows = []
+    for place in np.random.default_rng(0).permutation(places):
+        moved = [outline - place * side_m for outline in outlines_m]
+        near = [at for at in moved if ((at.max(axis=0) > 0) & (at.min(axis=0) < side_m)).all()]
+        windows.append((near, side_m))
+    return windows
+
+
+def _mean(shares: Array, found: Array, share: float, windows: int) -> tuple[Array, float]:
+    """Return the mean (2, 3, 3) of all ``windows`` by the stiffness (n, 2, 3, 3) of some, and the largest
+    standard error on its diagonals over their values.
+
+    The mean apparent stiffness is that of the whole (Kanit, Forest, Galliet, Mounoury and Jeulin, Int. J.
+    Solids Struct. 40 (2003) 3647-3679, doi 10.1016/S0020-7683(03)00143-4).  The solid ``share`` of the whole
+    is known, and ``shares`` (n,) are those of the windows: the estimate is the regression's (Cochran,
+    Sampling Techniques, 3rd ed., Wiley 1977, ch. 7).
+    """
+    count, mean, beyond = len(shares), found.mean(axis=0), shares - shares.mean()
+    square, lacking = float(beyond @ beyond), share - shares.mean()
+    if count < 3 or square == 0.0:
+        return mean, math.inf
+    slope = np.tensordot(beyond, found, axes=1) / square
+    rest = np.diagonal(found - mean - np.multiply.outer(beyond, slope), axis1=2, axis2=3)
+    mean = mean + lacking * slope
+    variance = (rest**2).sum(axis=0) / (count - 2) * ((1 - count / windows) / count + lacking**2 / square)
+    return mean, float((np.sqrt(variance) / np.diagonal(mean, axis1=1, axis2=2)).max())
+
+
+def _area_m2(points_m: Array, triangles: Indices) -> float:
+    one, two = (points_m[triangles[:, k]] - points_m[triangles[:, 0]] for k in (1, 2))
+    return float(np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]).sum() / 2)
+
+
+def _stiffness(triangles: tuple[Array, Indices], sides_m: Array, thickness_m: float, mirrored: bool) -> Array:
+    """Return the membrane and the bending stiffness (2, 3, 3) of a cell that repeats, or is ``mirrored``."""
+    cell = _mesh(*triangles)
+    energies = [
+        _effective(product, cell, _conditions(size, sides_m, mirrored), size)
+        for product, size in ((_membrane, 2), (_bending(cell, thickness_m), 3))
+    ]
+    return np.array(energies) / float(np.prod(sides_m))
 
 
 def _mesh(points_m: Array, triangles: Indices) -> Any:
@@ -108,26 +174,27 @@ def _bending(cell: Any, thickness_m: float) -> Any:
     return product
 
 
-def _effective(product: Any, cell: Any, size: int, period_m: Array) -> Array:
-    """Return the energy (3, 3) of the unit strains with the periodic fluctuation that makes it least."""
+def _effective(product: Any, cell: Any, conditions: Callable[[Array], Conditions], size: int) -> Array:
+    """Return the energy (3, 3) of the unit strains with the fluctuation that makes it least, among those that
+    keep the ``conditions`` of its points (n, 2)."""
     space = function_space(cell, ufl.VectorElement("Lagrange", cell.ufl_cell(), 2, dim=size))
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
-    fold = _periodic(space.tabulate_dof_coordinates()[:, :2], period_m, size)
-    stiffness = fold.T @ assembled_matrix(product(u, v)) @ fold
+    whole = assembled_matrix(product(u, v))
     loads = np.column_stack([_load(unit, v) for unit in np.eye(3)])
-    kept = np.arange(stiffness.shape[0] - size)  # the last point is held: no rigid motion
-    right = (fold.T @ loads)[kept]
-    factors = splu(
-        csc_matrix(stiffness[kept][:, kept]),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-    answer = factors.solve(right)
     solid_m2 = fem.assemble_scalar(form(fem.Constant(cell, 1.0) * ufl.dx))
+    energy = solid_m2 * SOLID
+    for strains, fold in conditions(space.tabulate_dof_coordinates()[:, :2]):
+        right = fold.T @ loads[:, strains]
+        factors = splu(
+            csc_matrix(fold.T @ whole @ fold),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        energy[np.ix_(strains, strains)] -= right.T @ factors.solve(right)
     # the pattern is its own mirror image, so that shear couples to nothing but by the mesh
     uncoupled = np.array([[1, 1, 0], [1, 1, 0], [0, 0, 1]])
-    return np.asarray(uncoupled * (solid_m2 * SOLID - right.T @ answer))
+    return np.asarray(uncoupled * energy)
 
 
 def _load(unit: Array, test: Any) -> Array:
@@ -137,17 +204,39 @@ def _load(unit: Array, test: Any) -> Array:
     return work.copy()
 
 
-def _periodic(points_m: Array, period_m: Array, size: int) -> csr_matrix:
-    """Return the matrix (all unknowns, independent unknowns) that identifies points a period apart.
+def _conditions(size: int, sides_m: Array, mirrored: bool) -> Callable[[Array], Conditions]:
+    """Return the conditions of a cell that repeats, or is ``mirrored``; a point has ``size`` components."""
+    fold = _mirrored if mirrored else _periodic
+    return lambda points_m: fold(points_m, sides_m, size)
 
-    Each point has ``size`` components.
+
+def _mirrored(points_m: Array, sides_m: Array, size: int) -> Conditions:
+    """Return the conditions of a cell that its borders mirror: stretched or bent, it stays its own mirror
+    image; sheared or twisted, it turns into its negative.
+
+    So both fulfil Hill's condition, as any such mixture of given displacements and tractions does (Hazanov
+    and Huet, J. Mech. Phys. Solids 42 (1994) 1995-2011, doi 10.1016/0022-5096(94)90022-1).
     """
+    along, across = ((np.abs(points_m) < 1e-7 * sides_m) | (np.abs(points_m - sides_m) < 1e-7 * sides_m)).T
+    first = np.arange(len(points_m)) == 0  # no rigid motion
+    alike = np.column_stack([along, across, first])[:, :size]
+    contrary = np.column_stack([across, along, along | across])[:, :size]
+    unknowns = identity(size * len(points_m), format="csc")
+    return [
+        ([0, 1], unknowns[:, np.flatnonzero(~alike.ravel())]),
+        ([2], unknowns[:, np.flatnonzero(~contrary.ravel())]),
+    ]
+
+
+def _periodic(points_m: Array, period_m: Array, size: int) -> Conditions:
+    """Return the condition that points a period apart move alike, and that the last does not move."""
     fine = 1e-7 * period_m
     place = np.round(points_m / fine).astype(np.int64) % np.round(period_m / fine).astype(np.int64)
     _, same = np.unique(place, axis=0, return_inverse=True)
     columns = (size * same[:, None] + np.arange(size)).ravel()
     rows = np.arange(len(columns))
-    return csr_matrix((np.ones(len(rows)), (rows, columns)))
+    fold = csc_matrix((np.ones(len(rows)), (rows, columns)))
+    return [([0, 1, 2], fold[:, :-size])]
 
 
 def cell_m(apertures: AperturePattern) -> tuple[float, float]:
@@ -160,22 +249,41 @@ def cell_m(apertures: AperturePattern) -> tuple[float, float]:
 
 def cell_triangles(apertures: AperturePattern) -> tuple[Array, Indices]:
     """Return points (n, 2) and triangles (m, 3) of the material in one period."""
+    return _triangles(apertures, _outlines(apertures), np.array(cell_m(apertures)), mirrored=False)
+
+
+def _triangles(
+    apertures: AperturePattern, outlines_m: list[Array], sides_m: Array, mirrored: bool
+) -> tuple[Array, Indices]:
+    """Return points (n, 2) and triangles (m, 3) of the material between outlines in a cell.
+
+    Opposite sides have the same points unless it is ``mirrored``.  Corners that an opening cuts off from a
+    mirrored cell carry nothing, and are left out.
+    """
     with gmsh_session() as gmsh:
-        return _meshed(gmsh, apertures)
+        points_m, triangles = _meshed(gmsh, apertures, outlines_m, sides_m, mirrored)
+    edges = triangles[:, [0, 1, 2]], triangles[:, [1, 2, 0]]
+    graph = coo_array((np.ones(triangles.size), (edges[0].ravel(), edges[1].ravel())), 2 * (len(points_m),))
+    _, part = connected_components(graph, directed=False)
+    held_together = part == np.bincount(part).argmax()
+    number = np.cumsum(held_together) - 1
+    return points_m[held_together], number[triangles[held_together[triangles[:, 0]]]]
 
 
-def _meshed(gmsh: Any, apertures: AperturePattern) -> tuple[Array, Indices]:
-    model, (along_m, across_m) = gmsh.model.occ, cell_m(apertures)
+def _meshed(
+    gmsh: Any, apertures: AperturePattern, outlines: list[Array], sides_m: Array, mirrored: bool
+) -> tuple[Array, Indices]:
+    model, (along_m, across_m) = gmsh.model.occ, sides_m
     box = model.addRectangle(0.0, 0.0, 0.0, along_m, across_m)
-    outlines = _outlines(apertures)
     holes = [(2, model.addPlaneSurface([closed_line(model, outline)])) for outline in outlines]
     model.cut([(2, box)], holes)
     model.synchronize()
-    for axis, period_m in ((0, along_m), (1, across_m)):
+    for axis, period_m in () if mirrored else ((0, along_m), (1, across_m)):
         _match(gmsh, axis, period_m)
     narrowest_m = min(apertures.land_m, apertures.spheres_m[0])
     solid_m2 = apertures.solid_share * along_m * across_m
-    most_triangles = max(MOST_TRIANGLES, TRIANGLES_PER_OPENING * len(outlines))
+    per_opening = TRIANGLES_PER_OPENING * len(outlines)
+    most_triangles = per_opening if mirrored else max(MOST_TRIANGLES, per_opening)
     size_m = max(narrowest_m / TRIANGLES_PER_LAND, math.sqrt(2.5 * solid_m2 / most_triangles))
     gmsh.option.setNumber("Mesh.MeshSizeMin", size_m)
     gmsh.option.setNumber("Mesh.MeshSizeMax", size_m)

@@ -28,6 +28,7 @@ whose last term is - E I cell k0 times the signed curvature; it does not change 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -191,21 +192,28 @@ class Chain:
         blocks = (self.rate_N_per_m(length_m) - turning_N_per_m)[:, None, None] * outer
         blocks = blocks + turning_N_per_m[:, None, None] * np.eye(3)
         rows = len(self.rows_m)
+        tangent = self._bent_N_per_m.copy()
+        first = np.arange(rows)[self.springs][:-1]
+        tangent[first, :, first] += blocks
+        tangent[first + 1, :, first + 1] += blocks
+        tangent[first, :, first + 1] -= blocks
+        tangent[first + 1, :, first] -= blocks
+        return np.asarray(tangent.reshape(3 * rows, 3 * rows))
+
+    @cached_property
+    def _bent_N_per_m(self) -> Array:
+        """The second derivative (r, 3, r, 3) of the bending energy, the same at all positions."""
+        rows = len(self.rows_m)
         across = np.tile(np.eye(3), (len(self.bending_N_m3), 1, 1))
         across[self.at_clamps] -= np.einsum("ci,cj->cij", self.clamp_along, self.clamp_along)
         bent = self.curvature_1_m2
         tangent = np.einsum("b,bi,bj,bkl->ikjl", self.bending_N_m3, bent, bent, across)
-        for row, block in enumerate(blocks, start=self.springs.start):
-            tangent[row, :, row] += block
-            tangent[row + 1, :, row + 1] += block
-            tangent[row, :, row + 1] -= block
-            tangent[row + 1, :, row] -= block
         if self.moulded_1_m.any():
             slope_1_m = np.diff(np.eye(rows), axis=0) / self.gap_m[:, None]
             turning = np.cross(np.eye(3), self.across).T  # turning @ v is v x across
             mixed = np.einsum("b,bi,bj,kl->ikjl", self.moulded_N_m, slope_1_m[:-1], slope_1_m[1:], turning)
             tangent += mixed + mixed.transpose(2, 3, 0, 1)
-        return np.asarray(tangent.reshape(3 * rows, 3 * rows))
+        return np.asarray(tangent)
 
 
 def build_chain(plan: PanelPlan) -> Chain:

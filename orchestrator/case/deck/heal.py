@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from orchestrator.case.deck.stl import Facets, UnreadableSurface
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import area_vectors_m2
+from orchestrator.ports.geometry import area_vectors_m2, distinct_edges
 
 Mask = npt.NDArray[np.bool_]
 SAME_PLACE = 1e-7  # distance of corners over the surface's extent: the rounding of numbers of 32 bits
@@ -64,7 +64,7 @@ def heal(facets: Facets) -> Healed:
     doubles = len(triangles) - len(first)
     triangles = triangles[np.sort(first)]
     triangles, turned = _oriented(position_m, triangles)
-    _, sharing = np.unique(np.sort(edges_of(triangles), axis=1), axis=0, return_counts=True)
+    _, _, sharing = distinct_edges(triangles)
     open_edges, crowded = int((sharing == 1).sum()), int((sharing > 2).sum())
     used, compact = np.unique(triangles, return_inverse=True)
     position_m, triangles = position_m[used], compact.reshape(-1, 3).astype(np.int64)
@@ -101,20 +101,14 @@ def _graph(pairs: Indices, size: int) -> coo_array:
     return coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(size, size)).tocsr()
 
 
-def edges_of(triangles: Indices) -> Indices:
-    """Return the edges (3 m, 2) of triangles (m, 3), as these run through them."""
-    return triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-
-
 def _oriented(position_m: Array, triangles: Indices) -> tuple[Indices, int]:
     """Return triangles (m, 3) of which neighbours are oriented alike, and how many were turned over.
 
     In each connected part, fewer than half are turned over, or those that make a closed part's normals point
     outwards.  A part that has but one side stays as it is.
     """
-    edges = edges_of(triangles)
-    _, number, sharing = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
-    number = number.reshape(-1)
+    edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)  # as these run through them
+    _, number, sharing = distinct_edges(triangles)
     in_turn = np.argsort(number, kind="stable")
     begin = np.concatenate([[0], np.cumsum(sharing)[:-1]])[sharing == 2]
     one, two = in_turn[begin], in_turn[begin + 1]

@@ -47,6 +47,7 @@ from orchestrator.output.records.snapshots import (
     surface_mesh,
     walls_mesh,
     write_mesh,
+    write_state,
 )
 from orchestrator.output.records.surface_fields import SurfaceFields
 from orchestrator.output.records.wear_record import WearRecord
@@ -141,6 +142,7 @@ class Recorder:
                     self._history.describe(kind, name, values)
             self._history.describe("removed", "names", [exit.name for exit in exits])
             self._history.describe("removed", "products", [exit.product for exit in exits])
+        write_state(folder)
         if machine.wearing is not None:
             self._wear = WearRecord(machine.surface, machine.panels, rectangles)
         deck = deck_line([start.panel.surface.position_m[line] for line in lines], half_depths_m(case))

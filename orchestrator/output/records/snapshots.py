@@ -2,6 +2,7 @@
 
 ``surface.pvd`` and ``particles.pvd`` list one VTU file for each output time; rigid surfaces stand in one
 file, as they are drawn.  Where particles are made of several spheres, ``spheres.pvd`` has each of these.
+``paraview_state.py`` opens them all in ParaView, in colours.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from orchestrator.ports.grains import placed_spheres
 
 HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
 TAIL = "</Collection>\n</VTKFile>\n"
+STATE = "paraview_state.py"
 
 
 class Series:
@@ -96,6 +98,11 @@ class Series:
                 opened.seek(end)
                 opened.write(TAIL.encode())
                 raise
+
+
+def write_state(folder: Path) -> None:
+    """Write the script by which ParaView shows what a run's folder has: panels, walls and particles."""
+    write_text(folder / STATE, Path(__file__).with_name("paraview_state.txt").read_text(encoding="utf-8"))
 
 
 def write_mesh(file: Path, mesh: meshio.Mesh) -> None:

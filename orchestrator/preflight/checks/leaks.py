@@ -17,7 +17,7 @@ from orchestrator.case.bed.grains import sieve_sizes_m
 from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, axes
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports import Array
-from orchestrator.preflight.scene.flight import Flights, Landing, Solids, first_hits, solids
+from orchestrator.preflight.scene.flight import Flights, Landing, Solids, solids
 from orchestrator.preflight.scene.panel_rows import Joint, PanelRows, PlacedPanel, panel_rows
 
 COVERS_M = 0.05  # A surface this close above or below a gap covers it.
@@ -193,7 +193,7 @@ class _Deck:
     def _continues(self, beside_m: Array, normal: Array) -> bool:
         """Return whether a panel lies at a place (3,) beside another panel's edge."""
         start_m, step_m = beside_m + COVERS_M / 2 * normal, -COVERS_M * normal
-        _, triangle = first_hits(start_m[None], step_m[None], self.parts.corners_m)
+        _, triangle = self.parts.first_hits(start_m[None], step_m[None])
         return bool(triangle[0] >= 0 and self.parts.panel[triangle[0]] >= 0)
 
     def _wall_beyond(self, edge_m: Array, outwards: Array) -> float:
@@ -202,7 +202,7 @@ class _Deck:
         The distance is negative for a wall that stands on the panel itself.
         """
         start_m, step_m = edge_m - ON_PANEL_M * outwards, (ON_PANEL_M + WALL_WITHIN_M) * outwards
-        share, _ = first_hits(start_m[None], step_m[None], self.parts.rigid_m)
+        share, _ = self.parts.rigid.first_hits(start_m[None], step_m[None])
         return float(share[0] * (ON_PANEL_M + WALL_WITHIN_M) - ON_PANEL_M)
 
     def _open_width_m(self, edge_m: Array, gap_m: Array, normal: Array) -> float:
@@ -215,7 +215,7 @@ class _Deck:
         is_open = np.ones(count, dtype=bool)
         for way in (1.0, -1.0):
             steps_m = np.tile(way * COVERS_M * normal, (count, 1))
-            share, _ = first_hits(places_m, steps_m, self.parts.rigid_m)
+            share, _ = self.parts.rigid.first_hits(places_m, steps_m)
             is_open &= np.isinf(share)
         ends = np.flatnonzero(np.diff(np.concatenate([[0], is_open, [0]])))
         runs = np.diff(ends)[::2]

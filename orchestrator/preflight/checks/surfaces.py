@@ -23,7 +23,7 @@ from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.slice import bounds_m, period_m
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import Rectangle, TriangleSurface, overlap_m, reach_into
+from orchestrator.ports.geometry import Rectangle, TriangleSurface, distinct_edges, overlap_m, reach_into
 from orchestrator.ports.grains import placed_spheres
 from orchestrator.ports.penetration import IN_PLANE, Penetrations
 from orchestrator.ports.plans import ParticleList
@@ -331,14 +331,13 @@ def _in_closed_parts(triangles: Indices) -> npt.NDArray[np.bool_]:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2))
-    _, number, sharing = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    edges, number, sharing = distinct_edges(triangles)
     size = int(triangles.max()) + 1
     graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(size, size))
     parts, part_of_corner = connected_components(graph, directed=False)
     part = part_of_corner[triangles[:, 0]]
     is_closed = np.ones(parts, dtype=np.bool_)
-    is_closed[part[np.flatnonzero(sharing[number.reshape(-1)] != 2) // 3]] = False
+    is_closed[part[np.flatnonzero(sharing[number] != 2) // 3]] = False
     return np.asarray(is_closed[part])
 
 

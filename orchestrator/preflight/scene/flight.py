@@ -7,6 +7,7 @@ openings hide no gaps.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from orchestrator.ports import Array, Indices
 PATH_STEP_M = 0.03  # Longest piece of a path that is taken as straight; it sags by less than 1 mm.
 LONGEST_S = 3.0  # Flights are followed for this time; they fall 44 m.
 PARALLEL = 1e-12  # Determinant below which a ray counts as parallel to a triangle.
+RIM_M = 1e-6  # Rounding of the ends of steps and of triangles, with room.
 AT_ONCE = 2_000_000  # Pairs of rays and triangles that are intersected at once.
 
 
@@ -32,10 +34,44 @@ class Solids:
     corners_m: Array
     panel: Indices
 
-    @property
-    def rigid_m(self) -> Array:
-        """The triangles (m, 3, 3) of the rigid surfaces alone."""
-        return self.corners_m[self.panel < 0]
+    @cached_property
+    def rigid(self) -> Solids:
+        """The rigid surfaces alone."""
+        return Solids(self.corners_m[self.panel < 0], self.panel[self.panel < 0])
+
+    @cached_property
+    def _boxes_m(self) -> tuple[Array, Array]:
+        """The lowest and the highest corners (3, m) of the boxes around the triangles, axis by axis."""
+        low_m, high_m = self.corners_m.min(axis=1), self.corners_m.max(axis=1)
+        return np.ascontiguousarray(low_m.T), np.ascontiguousarray(high_m.T)
+
+    def first_hits(self, start_m: Array, step_m: Array) -> tuple[Array, Indices]:
+        """Return where straight steps meet triangles first.
+
+        ``start_m`` and ``step_m`` (n, 3) are the beginnings and the whole steps.  The result is the share of
+        each step before the hit (n,), infinite without one, and the triangle's number (n,), -1 without one.
+        """
+        share, number = np.full(len(start_m), np.inf), np.full(len(start_m), -1)
+        near = self._near(np.concatenate([start_m, start_m + step_m]))
+        if not len(near):
+            return share, number
+        chunk = max(1, AT_ONCE // len(near))
+        for first in range(0, len(start_m), chunk):
+            part = slice(first, first + chunk)
+            shares = intersect(start_m[part], step_m[part], self.corners_m[near])
+            nearest = shares.argmin(axis=1)
+            share[part] = shares[np.arange(len(shares)), nearest]
+            number[part] = np.where(np.isfinite(share[part]), near[nearest], -1)
+        return share, number
+
+    def _near(self, points_m: Array) -> Indices:
+        """Return the numbers of the triangles whose boxes meet the box around points (n, 3)."""
+        if not len(points_m):
+            return np.empty(0, dtype=np.int64)
+        near = np.ones(len(self.corners_m), dtype=np.bool_)
+        for low_m, high_m, along_m in zip(*self._boxes_m, points_m.T, strict=True):
+            near &= (low_m <= along_m.max() + RIM_M) & (high_m >= along_m.min() - RIM_M)
+        return np.flatnonzero(near)
 
 
 def solids(case: Case, folder: Path) -> Solids:
@@ -50,25 +86,6 @@ def solids(case: Case, folder: Path) -> Solids:
         corners_m.append(wall.position_m[wall.triangles] @ turn)
         numbers.append(np.full(len(wall.triangles), -1))
     return Solids(np.concatenate(corners_m), np.concatenate(numbers))
-
-
-def first_hits(start_m: Array, step_m: Array, corners_m: Array) -> tuple[Array, Indices]:
-    """Return where straight steps meet triangles (m, 3, 3) first.
-
-    ``start_m`` and ``step_m`` (n, 3) are the beginnings and the whole steps.  The result is the share of
-    each step before the hit (n,), infinite without one, and the triangle's number (n,), -1 without one.
-    """
-    share, number = np.full(len(start_m), np.inf), np.full(len(start_m), -1)
-    if not len(corners_m):
-        return share, number
-    chunk = max(1, AT_ONCE // len(corners_m))
-    for first in range(0, len(start_m), chunk):
-        part = slice(first, first + chunk)
-        shares = intersect(start_m[part], step_m[part], corners_m)
-        nearest = shares.argmin(axis=1)
-        share[part] = shares[np.arange(len(shares)), nearest]
-        number[part] = np.where(np.isfinite(share[part]), nearest, -1)
-    return share, number
 
 
 def intersect(start_m: Array, step_m: Array, corners_m: Array) -> Array:
@@ -134,7 +151,7 @@ class Flights:
             if np.isfinite(when := _first_inside(path_m, box_m, self._open_sides)):
                 events.append((when, "exit", name))
         path_m = path_m[: int(np.ceil(min(events)[0])) + 1]  # Later pieces cannot be met first.
-        share, triangle = first_hits(path_m[:-1], np.diff(path_m, axis=0), self._solids.corners_m)
+        share, triangle = self._solids.first_hits(path_m[:-1], np.diff(path_m, axis=0))
         met = np.flatnonzero(triangle >= 0)
         if len(met):
             number = int(self._solids.panel[triangle[met[0]]])
