@@ -1,10 +1,11 @@
 """Whether a calibration finds the grains of synthetic measurements: hidden settings, run and found again.
 
-    python -m tools.hidden_grains OUT STUDY... [--hidden 10]
+    python -m tools.hidden_grains OUT STUDY... [--hidden 10] [--known FACTOR ...]
 
 Each STUDY is the folder of a design study whose runs are made.  The tool draws settings within its ranges
 (seed 1), runs each study's case at each of them with other random numbers, takes the responses for
-measurements with the noise of one run, and calibrates with every single study and with all together.
+measurements with the noise of one run, and calibrates with every single study and with all together,
+and with all where a factor is known.
 OUT/hidden.csv has each factor with its hidden value and interval.
 
 Measured figures: docs/measured/design.md, "Hidden grains".
@@ -51,8 +52,11 @@ def measured(campaign: Campaign, outcome: Outcome) -> Campaign:
     )
 
 
-def rows(designs: Sequence[DesignStudy], count: int) -> Iterator[dict[str, object]]:
-    """Yield a row for each hidden setting, each study and all together, and each factor."""
+def rows(designs: Sequence[DesignStudy], count: int, given: Sequence[str]) -> Iterator[dict[str, object]]:
+    """Yield a row for each hidden setting, each study and all together, and each factor.
+
+    All together are calibrated again with each of the factors ``given`` as known.
+    """
     trials = [
         replace(trial, values=designs[0].study.actual(np.array(trial.setting)))
         for trial in hidden_settings(designs[0].study.space, count)
@@ -63,9 +67,13 @@ def rows(designs: Sequence[DesignStudy], count: int) -> Iterator[dict[str, objec
             design.study.path(design.study.file.case).name: measured(design.campaign, outcomes[place])
             for design, outcomes in zip(designs, each, strict=True)
         }
-        sets = {name: [campaign] for name, campaign in campaigns.items()}
-        for name, chosen in (sets | {"all": list(campaigns.values())}).items():
-            for factor in calibrate(chosen).factors():
+        together = list(campaigns.values())
+        sets: dict[str, tuple[list[Campaign], dict[str, float]]]
+        sets = {name: ([campaign], {}) for name, campaign in campaigns.items()} | {"all": (together, {})}
+        for known in given:
+            sets[f"all, {known} known"] = together, {known: trial.values[known]}
+        for name, (chosen, values) in sets.items():
+            for factor in calibrate(chosen, values).factors():
                 yield {
                     "hidden": place + 1,
                     "measured": name,
@@ -84,11 +92,12 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("studies", type=Path, nargs="+")
     parser.add_argument("--hidden", type=int, default=10)
+    parser.add_argument("--known", action="append", default=[])
     given = parser.parse_args()
     designs = [DesignStudy(read_study(study), Crew(1), study) for study in given.studies]
     for design in designs:
         design.load_finished()
-    table = list(rows(designs, given.hidden))
+    table = list(rows(designs, given.hidden, given.known))
     given.out.mkdir(parents=True, exist_ok=True)
     with (given.out / "hidden.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, table[0])

@@ -54,13 +54,13 @@ target_deviation = {deviation}
     return place / "study.toml"
 
 
-def calibration(files: Sequence[Path], folder: Path) -> Calibration:
+def calibration(files: Sequence[Path], folder: Path, **known: float) -> Calibration:
     campaigns = []
     for number, file in enumerate(files):
         design = DesignStudy(read_study(file), Crew(), folder / f"out{number}")
         design.load_finished()
         campaigns.append(design.campaign)
-    return calibrate(campaigns)
+    return calibrate(campaigns, known)
 
 
 def test_two_measurements_find_two_factors_with_honest_intervals(tmp_path: Path) -> None:
@@ -87,6 +87,32 @@ def test_one_measurement_tells_two_factors_together_only(tmp_path: Path) -> None
     ((first, second, correlation),) = answer.bound_pairs()
     assert (first, second) == ("sliding", "rolling")
     assert correlation < -0.9
+
+
+def test_one_measurement_tells_the_other_factor_where_one_is_known(tmp_path: Path) -> None:
+    file = write_study(tmp_path, "heap", slope, slope(0.5, 0.2), 1)
+    answer = calibration([file], tmp_path, sliding=0.5)
+    (rolling,) = answer.factors()
+    assert rolling.name == "rolling"
+    assert rolling.is_found
+    assert rolling.low <= 0.2 <= rolling.high
+    assert answer.likeliest["sliding"] == 0.5
+    assert not [*answer.bound_pairs()]
+
+
+@pytest.mark.parametrize(
+    ("known", "why"),
+    [
+        ("slding=0.5", 'no factor "slding"; did you mean "sliding"'),
+        ("sliding=0.9", "sliding = 0.9 is not between 0.2 and 0.8"),
+        ("sliding", '"sliding" is no FACTOR=VALUE; as bond=0'),
+    ],
+)
+def test_a_wrong_known_factor_is_refused(tmp_path: Path, known: str, why: str) -> None:
+    file = write_study(tmp_path, "heap", slope, 30.0, 1)
+    result = CliRunner().invoke(app, ["study", "calibrate", str(file.parent), "--known", known])
+    assert result.exit_code == 2
+    assert why in " ".join(result.output.split())
 
 
 def test_the_likeliest_setting_meets_an_exact_target(tmp_path: Path) -> None:

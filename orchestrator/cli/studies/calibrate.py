@@ -11,15 +11,19 @@ from orchestrator.cli.options import StudyOutput, shipped_or_own
 from orchestrator.studies.design.calibration import calibrate
 from orchestrator.studies.design.calibration_report import tell, write_calibration
 from orchestrator.studies.design.study import DesignStudy
-from orchestrator.studies.design.study_file import read_study
+from orchestrator.studies.design.study_file import StudyError, read_study
 from orchestrator.studies.points import Crew
-from orchestrator.workbench import StudyFolder
+from orchestrator.workbench import CaseProblem, StudyFolder
 
 
 def command(
     studies: Annotated[
         list[Path], typer.Argument(metavar="STUDY...", help="study.toml of design studies, or their folders")
     ],
+    known: Annotated[
+        list[str] | None,
+        typer.Option("--known", metavar="FACTOR=VALUE", help="a factor that is not sought; may be repeated"),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", help="folder of the calibration [default: runs/calibration]")
     ] = None,
@@ -36,7 +40,17 @@ def command(
         designs.append(DesignStudy(read_study(path), Crew(), path if path.is_dir() else None))
         designs[-1].load_finished()
     folder = StudyFolder(out or Path("runs") / "calibration").admit()
-    found = calibrate([design.campaign for design in designs])
+    found = calibrate([design.campaign for design in designs], dict(map(_number, known or [])))
     yield from write_calibration(found, folder)
     yield from tell(found)
     return not found.missed() and all(factor.is_found for factor in found.factors())
+
+
+def _number(text: str) -> tuple[str, float]:
+    """Return the name and the value of a known factor.  Raises StudyError."""
+    name, _, value = text.partition("=")
+    try:
+        return name.strip(), float(value)
+    except ValueError:
+        problem = CaseProblem((), f'"{text}" is no FACTOR=VALUE', "as bond=0", file="--known")
+        raise StudyError([problem]) from None

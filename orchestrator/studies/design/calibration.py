@@ -23,7 +23,7 @@ from orchestrator.studies.design.optimisers import predict_each
 from orchestrator.studies.design.space import Space
 from orchestrator.studies.design.study_file import StudyError
 from orchestrator.workbench import CaseProblem
-from orchestrator.workbench.vocabulary import Array
+from orchestrator.workbench.vocabulary import Array, did_you_mean
 
 SETTINGS = 4096  # at which the likelihood is computed, in each round
 ROUNDS = 4  # each draws where the one before found the probable settings
@@ -76,6 +76,11 @@ class Calibration:
         """The most likely setting, by the factors' names."""
         return dict(zip(self.ranges, map(float, self.x[self._best]), strict=True))
 
+    @property
+    def sought(self) -> list[str]:
+        """The names of the factors that are not known."""
+        return [name for name, (low, high, _) in self.ranges.items() if low < high]
+
     @cached_property
     def _best(self) -> int:
         return int(np.argmin((self.misses**2).sum(axis=1)))
@@ -84,6 +89,8 @@ class Calibration:
         """Yield each factor with its interval of the study's confidence."""
         ends = np.array([1 - self.confidence, 1 + self.confidence]) / 2
         for column, (name, (least, most, unit)) in enumerate(self.ranges.items()):
+            if name not in self.sought:
+                continue
             order = np.argsort(self.x[:, column])
             below = np.cumsum(self.weight[order])
             low, high = self.x[order[np.searchsorted(below, ends * below[-1])], column]
@@ -92,9 +99,10 @@ class Calibration:
 
     def bound_pairs(self) -> Iterator[tuple[str, str, float]]:
         """Yield pairs of factors that the targets tell together rather than each, with their correlation."""
-        covariance = np.atleast_2d(np.cov(self.x.T, aweights=self.weight))
+        columns = [list(self.ranges).index(name) for name in self.sought]
+        covariance = np.atleast_2d(np.cov(self.x[:, columns].T, aweights=self.weight))
         deviation = np.sqrt(np.diag(covariance))
-        for (i, first), (j, second) in itertools.combinations(enumerate(self.ranges), 2):
+        for (i, first), (j, second) in itertools.combinations(enumerate(self.sought), 2):
             correlation = float(covariance[i, j] / (deviation[i] * deviation[j]))
             if abs(correlation) >= BOUND:
                 yield first, second, correlation
@@ -108,10 +116,11 @@ class Calibration:
         return [name for name, miss in zip(self.targets, misses, strict=True) if abs(miss) > 2]
 
 
-def calibrate(campaigns: Sequence[Campaign]) -> Calibration:
+def calibrate(campaigns: Sequence[Campaign], known: Mapping[str, float] | None = None) -> Calibration:
     """Find the settings at which all targets of some studies are probable; factors are one by their name.
 
-    Raises StudyError where no response has a target, or ranges of one factor have nothing in common.
+    ``known`` has values of factors that are not sought.  Raises StudyError where no response has a target,
+    ranges of one factor have nothing in common, or a known value is not in its range.
     """
     targets = [_targets(each) for each in campaigns]
     if not any(targets):
@@ -121,6 +130,14 @@ def calibrate(campaigns: Sequence[Campaign]) -> Calibration:
     units: dict[str, str] = {}
     for each in campaigns:
         units |= {name: row.unit for name, row in each.study.file.factors.items()}
+    for name, value in (known or {}).items():
+        if name not in ranges:
+            problem = CaseProblem((), f'no factor "{name}"', did_you_mean(name, ranges), file="--known")
+            raise StudyError([problem])
+        if not ranges[name][0] <= value <= ranges[name][1]:
+            what = f"{name} = {value:g} is not between {ranges[name][0]:g} and {ranges[name][1]:g}"
+            raise StudyError([CaseProblem((), what, file="--known", kind="out-of-range")])
+        ranges[name] = value, value
     low, high = np.array([*ranges.values()]).T
     space = Space(low, high)
     x, likelihood, misses = _Likelihood(campaigns, targets, tuple(ranges), space).explore()

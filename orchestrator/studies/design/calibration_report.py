@@ -67,13 +67,15 @@ def tell(found: Calibration) -> Iterator[str | Table]:
 
 def _draw(found: Calibration) -> Picture:
     """Return the picture: the probability of each factor, and of each pair, over their ranges."""
-    names = list(found.ranges)
+    names = found.sought
     pairs = list(itertools.combinations(range(len(names)), 2))
     picture = Picture(len(names) + len(pairs), 3 if len(names) > 1 else 1, 3.4, 2.8)
     rng = np.random.default_rng(1)
-    x = found.x[rng.choice(len(found.x), DRAWN, p=found.weight)]
-    labels = [f"{name} / {unit}" if unit else name for name, (_, _, unit) in found.ranges.items()]
-    ends = [(low, high) for low, high, _ in found.ranges.values()]
+    columns = [list(found.ranges).index(name) for name in names]
+    x = found.x[rng.choice(len(found.x), DRAWN, p=found.weight)][:, columns]
+    ranges = [found.ranges[name] for name in names]
+    labels = [f"{name} / {unit}" if unit else name for name, (_, _, unit) in zip(names, ranges, strict=True)]
+    ends = [(low, high) for low, high, _ in ranges]
     for part, column in zip(picture.parts, range(len(names)), strict=False):
         part.hist(x[:, column], BINS, ends[column], density=True, color=Picture.colours[0])
         part.axvline(found.likeliest[names[column]], color="black", linewidth=1)
