@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import argparse
 import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -68,8 +68,8 @@ def rows(designs: Sequence[DesignStudy], count: int, given: Sequence[str]) -> It
             for design, outcomes in zip(designs, each, strict=True)
         }
         together = list(campaigns.values())
-        sets: dict[str, tuple[list[Campaign], dict[str, float]]]
-        sets = {name: ([campaign], {}) for name, campaign in campaigns.items()} | {"all": (together, {})}
+        sets: dict[str, tuple[list[Campaign], Mapping[str, float]]] = {"all": (together, {})}
+        sets |= {name: ([campaign], {}) for name, campaign in campaigns.items()}
         for known in given:
             sets[f"all, {known} known"] = together, {known: trial.values[known]}
         for name, (chosen, values) in sets.items():
