@@ -99,7 +99,7 @@ def test_a_nan_from_the_frames(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     before = NAN_FROM_FRAMES.format(cls="TwoMassFrames")
     done = flipflow(*run_words("empty-machine", folder), before=before)
-    failed(folder, done, "frames (two-mass) failed between t = 0.0004 s", "velocity_m_per_s: point 1")
+    failed(folder, done, "frames (two-mass) failed between t = 0.0008 s", "velocity_m_per_s: point 1")
 
 
 @pytest.mark.solver
