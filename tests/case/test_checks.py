@@ -138,6 +138,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ),
         # exits
         (EXIT.replace("-0.3]]", "-0.6]]"), "screen.exits.under.box_m: out-of-range"),
+        ("bulk.heap.box_m=[[0, 0, 0], [0.1, 0.1, 0]]", "bulk.heap.box_m: out-of-range"),
         (EXIT.replace("-0.5], [1, 1, -0.3", "-1.5], [1, 1, -1.3"), "screen.exits.under.box_m: misplaced"),
         (EXIT.replace("-0.3]]", "0.1]]"), "screen.exits.under.box_m: misplaced"),
         (EXIT.replace("-0.3]]", "-0.49]]"), "screen.exits.under.box_m: out-of-range"),

@@ -106,11 +106,13 @@ def test_one_measurement_tells_the_other_factor_where_one_is_known(tmp_path: Pat
         ("slding=0.5", 'no factor "slding"; did you mean "sliding"'),
         ("sliding=0.9", "sliding = 0.9 is not between 0.2 and 0.8"),
         ("sliding", '"sliding" is no FACTOR=VALUE; as bond=0'),
+        ("sliding=0.5 rolling=0.2", "all factors are known: nothing is sought"),
     ],
 )
 def test_a_wrong_known_factor_is_refused(tmp_path: Path, known: str, why: str) -> None:
     file = write_study(tmp_path, "heap", slope, 30.0, 1)
-    result = CliRunner().invoke(app, ["study", "calibrate", str(file.parent), "--known", known])
+    options = [word for each in known.split() for word in ("--known", each)]
+    result = CliRunner().invoke(app, ["study", "calibrate", str(file.parent), *options])
     assert result.exit_code == 2
     assert why in " ".join(result.output.split())
 
@@ -143,6 +145,16 @@ def test_half_a_target_is_refused(tmp_path: Path, old: str, missing: str) -> Non
     with pytest.raises(CaseError) as raised:
         read_study(file)
     assert keys_and_kinds(raised.value.problems) == [f"responses.answer.{missing}: missing"]
+
+
+@pytest.mark.parametrize("rows", [1, 3])
+def test_without_runs_enough_nothing_is_calibrated(tmp_path: Path, rows: int) -> None:
+    file = write_study(tmp_path, "heap", slope, 30.0, 1)
+    table = file.parent / "runs.csv"
+    table.write_text("\n".join(table.read_text().splitlines()[:rows]))
+    result = CliRunner().invoke(app, ["study", "calibrate", str(file.parent)])
+    assert result.exit_code == 2, result.output
+    assert "Traceback" not in result.output
 
 
 def test_without_a_target_nothing_is_calibrated(tmp_path: Path) -> None:

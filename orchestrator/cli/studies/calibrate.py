@@ -12,8 +12,9 @@ from orchestrator.studies.design.calibration import calibrate
 from orchestrator.studies.design.calibration_report import tell, write_calibration
 from orchestrator.studies.design.study import DesignStudy
 from orchestrator.studies.design.study_file import StudyError, read_study
+from orchestrator.studies.design.surrogates import TooFewPoints
 from orchestrator.studies.points import Crew
-from orchestrator.workbench import CaseProblem, StudyFolder
+from orchestrator.workbench import CaseProblem, FolderUnusable, StudyFolder
 
 
 def command(
@@ -39,8 +40,12 @@ def command(
     for path in map(shipped_or_own, studies):
         designs.append(DesignStudy(read_study(path), Crew(), path if path.is_dir() else None))
         designs[-1].load_finished()
+        designs[-1].check_data()
     folder = StudyFolder(out or Path("runs") / "calibration").admit()
-    found = calibrate([design.campaign for design in designs], dict(map(_number, known or [])))
+    try:
+        found = calibrate([design.campaign for design in designs], dict(map(_number, known or [])))
+    except TooFewPoints as error:
+        raise FolderUnusable(f"{error}; more runs are needed") from None
     yield from write_calibration(found, folder)
     yield from tell(found)
     return not found.missed() and all(factor.is_found for factor in found.factors())

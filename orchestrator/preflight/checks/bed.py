@@ -133,6 +133,7 @@ def complete_contacts(case: Case) -> Iterator[CaseProblem]:
 def boxes_and_sizes(case: Case) -> Iterator[CaseProblem]:
     """Check that corners of boxes and limits of sizes are in order, and that mass fractions add up to 1."""
     boxes: list[tuple[Key, tuple[tuple[float, ...], tuple[float, ...]]]] = [(("domain_m",), case.domain_m)]
+    boxes += [((*key, "box_m"), bulk.box_m) for key, bulk in rows(case, "bulk")]
     for key, source in (row for path in SOURCES for row in rows(case, path)):
         boxes.append(((*key, "box_m"), source.box_m))
         for number, size in enumerate(source.sizes):

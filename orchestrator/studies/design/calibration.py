@@ -83,7 +83,7 @@ class Calibration:
 
     @cached_property
     def _best(self) -> int:
-        return int(np.argmin((self.misses**2).sum(axis=1)))
+        return int(self.weight.argmax())
 
     def factors(self) -> Iterator[FactorFound]:
         """Yield each factor with its interval of the study's confidence."""
@@ -120,7 +120,8 @@ def calibrate(campaigns: Sequence[Campaign], known: Mapping[str, float] | None =
     """Find the settings at which all targets of some studies are probable; factors are one by their name.
 
     ``known`` has values of factors that are not sought.  Raises StudyError where no response has a target,
-    ranges of one factor have nothing in common, or a known value is not in its range.
+    ranges of one factor have nothing in common, a known value is not in its range, or nothing is sought, and
+    TooFewPoints where a study has less data than its surrogate has terms.
     """
     targets = [_targets(each) for each in campaigns]
     if not any(targets):
@@ -138,6 +139,8 @@ def calibrate(campaigns: Sequence[Campaign], known: Mapping[str, float] | None =
             what = f"{name} = {value:g} is not between {ranges[name][0]:g} and {ranges[name][1]:g}"
             raise StudyError([CaseProblem((), what, file="--known", kind="out-of-range")])
         ranges[name] = value, value
+    if all(low == high for low, high in ranges.values()):
+        raise StudyError([CaseProblem((), "all factors are known: nothing is sought", file="--known")])
     low, high = np.array([*ranges.values()]).T
     space = Space(low, high)
     x, likelihood, misses = _Likelihood(campaigns, targets, tuple(ranges), space).explore()

@@ -124,6 +124,11 @@ class DesignStudy:
         else:
             self.campaign.outcomes = self.runs.finished(self.campaign.read_trials())
 
+    def check_data(self) -> None:
+        """Raise FolderUnusable where there are no data at all."""
+        if not len(self.campaign.data().x):
+            raise FolderUnusable(self._why_no_data())
+
     def _why_no_data(self) -> str:
         outcomes = self.campaign.outcomes
         if outcomes:
@@ -145,9 +150,8 @@ class DesignStudy:
 
         Raises FolderUnusable where there are no data at all, and StudyError where all lie out of the ranges.
         """
+        self.check_data()
         findings = Findings(self.campaign)
-        if not len(findings.data.x):
-            raise FolderUnusable(self._why_no_data())
         self._check_ranges(findings.data.x)
         yield from write_tables(findings, self.folder)
         if self.study.file.case:
