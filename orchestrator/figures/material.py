@@ -339,7 +339,9 @@ class BulkMean:
     """The grains in a box of `[bulk]`, as means over the output times in the second half of the run."""
 
     mass_kg: float = figure("mass in the box", is_extensive=True)
-    density_kg_per_m3: float = figure("bulk density", "mass over the volume of the box")
+    density_kg_per_m3: float = figure(
+        "mass over the volume of the box", "the bulk density, where grains fill it"
+    )
     slope_deg: float | None = figure(
         "slope of the free surface",
         "plane through the highest grains that touch others; null where four columns of them are never there",

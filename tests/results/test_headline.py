@@ -56,6 +56,19 @@ def tiles_of(results: dict[str, Any]) -> dict[str, Tile]:
     return {tile.name: tile for tile in headline(parsed(results))}
 
 
+def test_boxes_of_bulk_come_first(steady: dict[str, Any]) -> None:
+    """A box in which no slope is known has no tile of it."""
+    of_box = {"mass_kg": 0.2, "density_kg_per_m3": 1500.0, "slope_deg": 35.25}
+    results = steady | {"bulk": {"heap": of_box, "cup": of_box | {"slope_deg": None}}}
+    names = [tile.name for tile in headline(parsed(results))]
+    assert names[:3] == [
+        "mass over the volume of the box, box heap",
+        "slope of the free surface, box heap",
+        "mass over the volume of the box, box cup",
+    ]
+    assert tiles_of(results)[names[1]].line == f"{names[1]}: 35.2 degree (over the second half of the run)"
+
+
 def test_a_steady_run_says_from_how_much_its_figures_are(steady: dict[str, Any]) -> None:
     """Ten particles leave in a cycle, eight of them fine."""
     tiles = tiles_of(steady)

@@ -62,7 +62,7 @@ class Tile:
 def headline(results: Results) -> list[Tile]:
     """Return a tile for each figure that has a value in the results of a run; what a slice has a share of is
     told for the whole width."""
-    tiles = [*_material_tiles(results), *_motion_tiles(results)]
+    tiles = [*_bulk_tiles(results), *_material_tiles(results), *_motion_tiles(results)]
     return [tile for tile in tiles if tile.value != NONE]
 
 
@@ -109,6 +109,15 @@ class Teller:
         return Tile(
             words, value, width, figure.shown_unit, over, self.unsteady, path=place, estimate=estimate
         )
+
+
+def _bulk_tiles(results: Results) -> Iterator[Tile]:
+    """Yield the density and the slope of the grains in each box of ``[bulk]``."""
+    told = Teller("the second half of the run", unsteady=False, share_of_width=results.share_of_width)
+    for name, bulk in (results.bulk or {}).items():
+        for key in ("density_kg_per_m3", "slope_deg"):
+            value, words = getattr(bulk, key), f"{FIGURES[f'results.bulk.*.{key}'].words}, box {name}"
+            yield told.tile(f"bulk.*.{key}", None if value is None else Estimate(value), words, name)
 
 
 def _material_tiles(results: Results) -> Iterator[Tile]:
