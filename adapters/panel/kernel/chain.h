@@ -65,12 +65,26 @@ class Chain {
         impulse_N_s_(size()),
         acting_(size()),
         moved_across_(held()),
+        mobility_1_kg_(size()),
+        free_(size()),
         strain_(parts_.strains()),
+        change_(parts_.strains()),
+        push_(parts_.strains()),
         over_(parts_.strains()),
         stiffness_(parts_.branch_N_per_m),
-        direction_(3 * parts_.springs()) {
+        direction_(3 * parts_.springs()),
+        pull_N_(3 * parts_.springs() + 6),
+        moment_(3 * parts_.bends() + 12),
+        work_(branches_.count()) {
     for (const double bending_N_m3 : parts_.bending_N_m3)
       stiffness_.insert(stiffness_.end(), 3, bending_N_m3);
+    for (auto &of_row : curvature_1_m2_) of_row.assign(moment_.size(), 0.0);
+    for (int k = 0; k < parts_.bends(); ++k)
+      for (int j = 0; j < 3; ++j)
+        std::fill_n(&curvature_1_m2_[j][6 + 3 * k], 3, parts_.curvature_1_m2[3 * k + j]);
+    for (const int row : parts_.free)
+      for (int i = 3 * row; i < 3 * row + 3; ++i)
+        free_[i] = 1.0, mobility_1_kg_[i] = 1.0 / parts_.mass_kg[row];
   }
 
   int size() const { return 3 * parts_.rows(); }
@@ -103,11 +117,7 @@ class Chain {
       move(state, path, static_cast<double>(step) / steps, step_s);
       state.lost_J[0] += branches_.book(find_force(state), state.energy_J);
       kick(state, 0.5 * step_s, outside_N);
-      for (int i = 0; i < size(); ++i) {
-        acting_[i] = 0.5 * (before_N_[i] + state.internal_N[i]) + outside_N[i];
-        impulse_N_s_[i] += step_s * acting_[i];
-        before_m_[i] = state.position_m[i] - before_m_[i];  // now what it moved by
-      }
+      sum_up(state, step_s, outside_N);
       done_J += work_J(acting_.data(), before_m_.data());
     }
     set_end_velocity(state, path);
@@ -192,11 +202,11 @@ class Chain {
   }
 
   // Vectors are three numbers in a row.
-  static double dot(const double *a, const double *b) {
+  FLIPFLOW_INLINE static double dot(const double *a, const double *b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   }
 
-  static void add(double factor, const double *vector, double *to) {
+  FLIPFLOW_INLINE static void add(double factor, const double *vector, double *to) {
     for (int c = 0; c < 3; ++c) to[c] += factor * vector[c];
   }
 
@@ -208,36 +218,45 @@ class Chain {
 
   // Sets the force of springs, bending springs and the branches on both, and carries `strain` and
   // the branches' stresses to the present positions.
-  StepWork find_force(const ChainState &state) {
-    std::fill_n(state.internal_N, size(), 0.0);
+  FLIPFLOW_CLONES
+  const StepWork &find_force(const ChainState &state) {
     find_strain(state.position_m);
-    const StepWork work = find_overstress(state.strain, state.stress);
-    for (int i = 0; i < parts_.springs(); ++i) {
-      const double stretch = strain_[i] / parts_.rest_m, per_stretch = 1.0 / stretch;
+    find_overstress(state.strain, state.stress);
+    const int springs = parts_.springs();
+    const double rest_m = parts_.rest_m, c10_Pa = parts_.c10_Pa, c01_Pa = parts_.c01_Pa;
+    const double sheared_Pa = parts_.sheared_Pa, *length_m = strain_.data(), *area_m2 = parts_.area_m2.data();
+    double *tension_N = over_.data();  // of springs; the moments' own numbers stand behind
+#pragma omp simd
+    for (int i = 0; i < springs; ++i) {
+      const double stretch = length_m[i] / rest_m, per_stretch = rest_m / length_m[i];
       const double square = per_stretch * per_stretch;
-      const double stress_Pa =
-          2.0 * ((stretch - square) * (parts_.c10_Pa + parts_.c01_Pa * per_stretch) +
-                 (stretch - square * per_stretch) * parts_.sheared_Pa);
-      const double tension_N = parts_.area_m2[i] * stress_Pa + over_[i];
-      double *first_N = state.internal_N + 3 * (parts_.first + i);
-      add(tension_N, &direction_[3 * i], first_N);
-      add(-tension_N, &direction_[3 * i], first_N + 3);
+      const double stress_Pa = 2.0 * ((stretch - square) * (c10_Pa + c01_Pa * per_stretch) +
+                                      (stretch - square * per_stretch) * sheared_Pa);
+      tension_N[i] += area_m2[i] * stress_Pa;
     }
-    for (int k = 0; k < parts_.bends(); ++k) {
-      const int at = parts_.springs() + 3 * k;
-      double moment[3];
-      for (int c = 0; c < 3; ++c) moment[c] = stiffness_[at + c] * strain_[at + c] + over_[at + c];
-      for (int j = 0; j < 3; ++j)
-        add(-parts_.curvature_1_m2[3 * k + j], moment, state.internal_N + 3 * (k + j));
-    }
+    for (int i = 0; i < springs; ++i)
+      for (int c = 0; c < 3; ++c) pull_N_[3 + 3 * i + c] = tension_N[i] * direction_[3 * i + c];
+    double *internal_N = state.internal_N, *moment = moment_.data();
+    const double *curved = &strain_[springs], *stiff = &stiffness_[springs], *over = &over_[springs];
+#pragma omp simd
+    for (int i = 0; i < 3 * parts_.bends(); ++i) moment[6 + i] = stiff[i] * curved[i] + over[i];
+    const double *by[3] = {curvature_1_m2_[0].data(), curvature_1_m2_[1].data(), curvature_1_m2_[2].data()};
+#pragma omp simd
+    for (int i = 0; i < size(); ++i)
+      internal_N[i] =
+          -(by[0][i + 6] * moment[i + 6] + by[1][i + 3] * moment[i + 3] + by[2][i] * moment[i]);
+    const double *pull_N = pull_N_.data();
+    double *sprung_N = internal_N + 3 * parts_.first;
+#pragma omp simd
+    for (int i = 0; i < 3 * springs + 3; ++i) sprung_N[i] += pull_N[i + 3] - pull_N[i];
     for (int k = 0; k < parts_.bends(); ++k)
       if (parts_.moulded_N_m[k] != 0.0) add_moulded(k, state);
-    return work;
+    return work_;
   }
 
   // Adds the force of a stress-free curvature, whose energy is its moment times across . (d x d'), with
   // the slopes d and d' of the links before and after the middle row.
-  void add_moulded(int k, const ChainState &state) const {
+  FLIPFLOW_INLINE void add_moulded(int k, const ChainState &state) const {
     const double *across = parts_.across.data(), *row_m = state.position_m + 3 * k;
     double *force_N = state.internal_N + 3 * k;
     const double gap_m[2] = {parts_.gap_m[k], parts_.gap_m[k + 1]};
@@ -256,62 +275,92 @@ class Chain {
     }
   }
 
-  void find_strain(const double *position_m) {
-    for (int i = 0; i < parts_.springs(); ++i) {
-      const double *first_m = position_m + 3 * (parts_.first + i);
-      double *direction = &direction_[3 * i];
-      for (int c = 0; c < 3; ++c) direction[c] = first_m[3 + c] - first_m[c];
-      strain_[i] = std::sqrt(dot(direction, direction));
-      for (int c = 0; c < 3; ++c) direction[c] /= strain_[i];
-    }
+  FLIPFLOW_INLINE void find_strain(const double *position_m) {
+    const double *first_m = position_m + 3 * parts_.first;
+    double *direction = direction_.data(), *curvature = &strain_[parts_.springs()];
+#pragma omp simd
+    for (int i = 0; i < 3 * parts_.springs(); ++i) direction[i] = first_m[i + 3] - first_m[i];
+    double *length_m = strain_.data();
+#pragma omp simd
+    for (int i = 0; i < parts_.springs(); ++i)
+      length_m[i] = std::sqrt(dot(direction + 3 * i, direction + 3 * i));
+    for (int i = 0; i < parts_.springs(); ++i)
+      for (int c = 0; c < 3; ++c) direction[3 * i + c] /= length_m[i];
+    const double *by[3] = {&curvature_1_m2_[0][6], &curvature_1_m2_[1][6], &curvature_1_m2_[2][6]};
+#pragma omp simd
+    for (int i = 0; i < 3 * parts_.bends(); ++i)
+      curvature[i] =
+          by[0][i] * position_m[i] + by[1][i] * position_m[i + 3] + by[2][i] * position_m[i + 6];
     for (int k = 0; k < parts_.bends(); ++k) {
       const double *along = &parts_.along[3 * k];
-      double *curvature = &strain_[parts_.springs() + 3 * k];
-      std::fill_n(curvature, 3, 0.0);
-      for (int j = 0; j < 3; ++j)
-        add(parts_.curvature_1_m2[3 * k + j], position_m + 3 * (k + j), curvature);
-      if (parts_.at_clamp[k]) add(-dot(curvature, along), along, curvature);
+      if (parts_.at_clamp[k]) add(-dot(curvature + 3 * k, along), along, curvature + 3 * k);
     }
   }
 
-  StepWork find_overstress(double *strain, double *stress) {
-    StepWork work(branches_.count());
+  FLIPFLOW_INLINE void find_overstress(double *strain, double *stress) {
     const int strains = parts_.strains();
+    double *change = change_.data(), *push = push_.data(), *over = over_.data(), square_J = 0.0;
+    const double *now = strain_.data(), *stiffness = stiffness_.data();
+#pragma omp simd reduction(+ : square_J)
     for (int i = 0; i < strains; ++i) {
-      const double change = strain_[i] - strain[i], push = stiffness_[i] * change;
-      strain[i] = strain_[i];
-      work.square_J[0] += change * push;
-      over_[i] = 0.0;
-      for (int b = 0; b < branches_.count(); ++b) {
-        double &own = stress[b * strains + i];
-        work.cross_J[b * kLanes] += own * change;
-        own = branches_.decay()[b] * own + branches_.gain()[b] * push;
-        over_[i] += branches_.ratio()[b] * own;
-      }
+      change[i] = now[i] - strain[i];
+      strain[i] = now[i];
+      push[i] = stiffness[i] * change[i];
+      square_J += change[i] * push[i];
+      over[i] = 0.0;
     }
-    return work;
+    work_.square_J[0] = square_J;
+    for (int b = 0; b < branches_.count(); ++b) {
+      const double decay = branches_.decay()[b], gain = branches_.gain()[b], ratio = branches_.ratio()[b];
+      double *own = stress + b * strains, cross_J = 0.0;
+#pragma omp simd reduction(+ : cross_J)
+      for (int i = 0; i < strains; ++i) {
+        cross_J += own[i] * change[i];
+        own[i] = decay * own[i] + gain * push[i];
+        over[i] += ratio * own[i];
+      }
+      work_.cross_J[b * kLanes] = cross_J;
+    }
+  }
+
+  // Sums up the impulse of what acts in a step, (rows, 3) as `acting_`; `before_m_` becomes what they moved by.
+  FLIPFLOW_CLONES
+  void sum_up(const ChainState &state, double step_s, const double *outside_N) {
+    const double *internal_N = state.internal_N, *position_m = state.position_m, *before_N = before_N_.data();
+    double *acting_N = acting_.data(), *impulse_N_s = impulse_N_s_.data(), *before_m = before_m_.data();
+#pragma omp simd
+    for (int i = 0; i < size(); ++i) {
+      acting_N[i] = 0.5 * (before_N[i] + internal_N[i]) + outside_N[i];
+      impulse_N_s[i] += step_s * acting_N[i];
+      before_m[i] = position_m[i] - before_m[i];
+    }
   }
 
   // Half a step of force on the free rows; its part across is dropped at the interval's end.
+  FLIPFLOW_CLONES
   void kick(const ChainState &state, double half_step_s, const double *outside_N) const {
-    for (const int row : parts_.free)
-      for (int i = 3 * row; i < 3 * row + 3; ++i)
-        state.velocity_m_per_s[i] +=
-            half_step_s / parts_.mass_kg[row] * (outside_N[i] + state.internal_N[i]);
+    const double *mobility_1_kg = mobility_1_kg_.data(), *internal_N = state.internal_N;
+    double *velocity_m_per_s = state.velocity_m_per_s;
+#pragma omp simd
+    for (int i = 0; i < size(); ++i)
+      velocity_m_per_s[i] += half_step_s * mobility_1_kg[i] * (outside_N[i] + internal_N[i]);
   }
 
+  FLIPFLOW_CLONES
   void move(const ChainState &state, const HeldPath &path, double fraction, double step_s) {
-    const double *across = parts_.across.data();
+    const double *across = parts_.across.data(), *velocity_m_per_s = state.velocity_m_per_s;
+    double *position_m = state.position_m;
     for (int k = 0; k < held(); ++k) {
-      double *place_m = state.position_m + 3 * parts_.held[k];
+      double *place_m = position_m + 3 * parts_.held[k];
       moved_across_[k] = -dot(place_m, across);
       for (int c = 0; c < 3; ++c) place_m[c] = path.position_m(3 * k + c, fraction);
       moved_across_[k] += dot(place_m, across);
     }
-    for (const int row : parts_.free) {
-      add(spread(row), across, state.position_m + 3 * row);
-      add_normal_part(step_s, state.velocity_m_per_s + 3 * row, across, state.position_m + 3 * row);
-    }
+    for (const int row : parts_.free)
+      add(spread(row) - step_s * dot(velocity_m_per_s + 3 * row, across), across, position_m + 3 * row);
+    const double *free = free_.data();
+#pragma omp simd
+    for (int i = 0; i < size(); ++i) position_m[i] += free[i] * step_s * velocity_m_per_s[i];
   }
 
   // The held rows' velocity is the path's, and so is that across of all rows.
@@ -328,7 +377,7 @@ class Chain {
   }
 
   // How a free row follows the held ones across.
-  double spread(int row) const {
+  FLIPFLOW_INLINE double spread(int row) const {
     double moved = 0.0;
     for (int k = 0; k < held(); ++k) moved += share(row, k) * moved_across_[k];
     return moved;
@@ -370,8 +419,13 @@ class Chain {
   std::vector<double> before_m_, before_N_, start_m_per_s_, start_m_, outside_N_;   // (rows, 3)
   std::vector<double> impulse_N_s_, acting_;                                        // (rows, 3)
   std::vector<double> moved_across_;                                                // (held)
-  std::vector<double> strain_, over_, stiffness_;                                   // (strains)
+  std::vector<double> mobility_1_kg_, free_;                                        // (rows, 3): 0 if held
+  std::vector<double> strain_, change_, push_, over_, stiffness_;                   // (strains)
   std::vector<double> direction_;                                                   // (springs, 3)
+  // With zeros before the first and after the last, so that each row has as many neighbours.
+  std::vector<double> pull_N_;                                                      // (1 + springs + 1, 3)
+  std::vector<double> moment_, curvature_1_m2_[3];                                  // (2 + bends + 2, 3)
+  StepWork work_;
 };
 
 }  // namespace flipflow

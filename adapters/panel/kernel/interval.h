@@ -1,5 +1,7 @@
 #pragma once
 
+#include "lanes.h"
+
 namespace flipflow {
 
 // Motion of held points from the start to the end of an interval, (held, 3) each: cubic Hermite in
@@ -9,7 +11,7 @@ struct HeldPath {
   double length_s;
 
   // Of the number `i` in these arrays, at the fraction `t` of the interval.
-  double position_m(int i, double t) const {
+  FLIPFLOW_INLINE double position_m(int i, double t) const {
     const double r = 1 - t;
     return (1 + 2 * t) * r * r * start_m[i] + t * r * r * length_s * start_m_per_s[i] +
            t * t * (3 - 2 * t) * end_m[i] - t * t * r * length_s * end_m_per_s[i];

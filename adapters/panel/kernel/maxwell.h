@@ -54,11 +54,11 @@ class Branches {
 
   // Carries the stored energies (branches) over a step and returns what the step lost.
   double book(const StepWork &work, double *energy_J) const {
+    const double square = StepWork::sum(work.square_J);
     double lost_J = 0.0;
     for (size_t i = 0; i < ratio_.size(); ++i) {
       const double a = gain_[i], d = decay_[i], times = time_s_[i] / step_s_;
       const double cross = StepWork::sum(work.cross_J.data() + i * kLanes);
-      const double square = StepWork::sum(work.square_J);
       const double done_J = ratio_[i] * (times * (1.0 - a) * square + a * cross);
       const double stored_J =
           d * d * energy_J[i] + ratio_[i] * (a * d * cross + 0.5 * a * a * square);
