@@ -33,7 +33,7 @@ def shipped_or_own(path: Path) -> Path:
 CasePath = Annotated[
     Path,
     typer.Argument(
-        metavar="CASE", callback=shipped_or_own, help="folder of a case, or name of one of the program's"
+        metavar="CASE", callback=shipped_or_own, help="folder of a case, or name of the program's"
     ),
 ]
 Level = Annotated[
@@ -41,13 +41,10 @@ Level = Annotated[
 ]
 Overrides = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="value of a key, as panel.solver=rigid; may be repeated"),
+    typer.Option("--set", metavar="KEY=VALUE", help="value of a key, as panel.solver=rigid; repeatable"),
 ]
 StudyPath = Annotated[
-    Path,
-    typer.Argument(
-        metavar="STUDY", callback=shipped_or_own, help="study.toml of a design study, or its folder"
-    ),
+    Path, typer.Argument(metavar="STUDY", callback=shipped_or_own, help="study.toml, or its folder")
 ]
 Out = Annotated[Path | None, typer.Option("--out", help="folder of the study [default: runs/<case>-<study>]")]
 Workers = Annotated[
@@ -56,9 +53,7 @@ Workers = Annotated[
 ]
 Scheduler = Annotated[str, typer.Option("--scheduler", help="address of a Dask scheduler")]
 
-WriteJobs = Annotated[
-    bool, typer.Option("--write-jobs", help="write jobs.txt and job.sh for a cluster, and run nothing")
-]
+WriteJobs = Annotated[bool, typer.Option("--write-jobs", help="only write jobs.txt and job.sh for a cluster")]
 
 
 def crew(workers: Workers = None, scheduler: Scheduler = "") -> Crew:

@@ -21,7 +21,7 @@ SECTION = (ROOT / "docs/run-folder.md").read_text(encoding="utf-8").split("### D
 
 def documented(table: str) -> set[str]:
     """Return the words in backticks in the first column of a table of the section."""
-    lines = SECTION.split(f"| {table} |", 1)[1].split("\n\n")[0].splitlines()
+    lines = SECTION.split(f"|{table}|", 1)[1].split("\n\n")[0].splitlines()
     return {word for line in lines for word in re.findall(r"`([^`]+)`", line.split("|")[1 if line else 0])}
 
 
@@ -46,13 +46,13 @@ def test_the_manual_lists_the_columns_of_points(folder: Path) -> None:
     for name in study.responses:
         columns = {column.replace(name, "<response>") for column in columns}
     predicted = {"<response> predicted", "<response> predicted half width"}  # only runs have them
-    assert columns == documented("column of `points.csv` | meaning") - predicted
+    assert columns == documented("column of `points.csv` |meaning") - predicted
 
 
 @pytest.mark.slow
 def test_the_manual_lists_the_keys_of_the_fit(folder: Path) -> None:
     fit = json.loads((folder / "fit.json").read_text(encoding="utf-8"))
-    assert fit.keys() == documented("key of `fit.json` | meaning")
+    assert fit.keys() == documented("key of `fit.json` |meaning")
 
 
 @pytest.mark.slow

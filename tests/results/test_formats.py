@@ -53,7 +53,7 @@ def test_the_manual_has_the_schema_of_the_history() -> None:
     documented: dict[str, set[str]] = {}
     by_the_case = ("energy", "energy_cycles", "results")  # what they hold depends on the case
     section = MANUAL.split("## `history.h5`\n", 1)[1].split("\n## ", 1)[0]
-    for kind, names in re.findall(r"^\| `([a-z_]+)[^`]*` \| (.*?) \|", section, flags=re.M):
+    for kind, names in re.findall(r"^\|`([a-z_]+)[^`]*` \|(.*?) \|", section, flags=re.M):
         documented[kind] = set(re.findall(r"`([^`]+)`", names)) - {"time_s"}
     assert {kind: set(names) for kind, names in COLUMNS.items()} == {
         kind: names for kind, names in documented.items() if kind not in by_the_case

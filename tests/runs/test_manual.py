@@ -25,7 +25,7 @@ SOLVERS = ("frames.solver=exudyn", "particles.solver=liggghts", "panel.cells=[8,
 def documented(heading: str, column: int = 1) -> set[str]:
     """The words in backticks in one column of the table under a heading."""
     section = re.split(r"^#+ ", MANUAL.split(f"{heading}\n", 1)[1], maxsplit=1, flags=re.M)[0]
-    cells = [row.split("|")[column] for row in section.splitlines() if row.startswith("| `")]
+    cells = [row.split("|")[column] for row in section.splitlines() if row.startswith("|`")]
     return {word for cell in cells for word in re.findall(r"`([^`]+)`", cell)}
 
 
@@ -112,7 +112,7 @@ def test_the_files(folder: Path) -> None:
 def test_the_time_series(folder: Path) -> None:
     wanted: dict[str, set[str]] = {}
     section = MANUAL.split("## `history.h5`\n", 1)[1].split("\n## ", 1)[0]
-    for row in re.findall(r"^\| `([a-z_]+)[^`]*` \| (.*?) \|", section, flags=re.M):
+    for row in re.findall(r"^\|`([a-z_]+)[^`]*` \|(.*?) \|", section, flags=re.M):
         wanted.setdefault(row[0], set()).update(re.findall(r"`([^`]+)`", row[1]))
     with h5py.File(folder / "history.h5") as history:
         assert set(history) == set(wanted) - {"feeds", "loads", "shafts", "shapes"}  # it has none

@@ -28,10 +28,10 @@ from orchestrator.studies.design.study_file import StudyFile
 
 ROWS = "tables"
 """A list of tables, in words."""
-HEAD = "| key | value | meaning |\n|---|---|---|"
+HEAD = "|key |value |meaning|\n|---|---|---|"
 SMALL = 3
 """A table with so many keys and no tables in it has no section of its own."""
-SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+SIGNS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤"}
 WIDTH = 160
 LARGEST_PRINTED = 2**31
 """Limits of the computer's integers, above it, are not printed."""
@@ -64,26 +64,26 @@ def _rules(of: str) -> str:
 def _effects() -> Iterator[str]:
     """Yield the lines of the table of all effects, by part of the machine."""
     yield _rules("effect")
-    yield "| effect of | key |\n|---|---|"
+    yield "|effect of |key|\n|---|---|"
     for part in get_args(Part):
-        yield f"| **{part}** ||"
+        yield f"|**{part}**||"
         for name, effect in EFFECTS.items():
             if effect.part == part:
                 named = f"`{name}`" if effect.optional else f"*{name}*"
                 laws = f" ({', '.join(effect.laws)})" if effect.laws else ""
-                yield f"| {named}{laws} | {effect.key} |"
+                yield f"|{named}{laws} |{effect.key}|"
     yield ""
 
 
 def _of_solvers() -> Iterator[str]:
     """Yield the lines of the table of all solvers, with the descriptions by their adapters."""
     yield _rules("solver")
-    yield "| solver | what it is | what it leaves out |\n|---|---|---|"
+    yield "|solver |what it is |what it leaves out|\n|---|---|---|"
     ports: tuple[Port, ...] = get_args(Port)
     for port in ports:
         for name in names(port):
             solver = adapter(port, name)
-            yield f"| {port}: `{name}` | {solver.about} | {', '.join(solver.leaves_out)} |"
+            yield f"|{port}: `{name}` |{solver.about} |{', '.join(solver.leaves_out)}|"
     yield ""
 
 
@@ -123,11 +123,11 @@ def _rows(keys: Mapping[str, FieldInfo], above: str, seen: Seen) -> Iterator[str
         tables = tables_in(field.annotation)
         folded = [(within, place) for within, place in tables if within not in seen and _is_small(within)]
         if not tables or _choices(field.annotation):
-            yield f"| `{above}{key}` | {_value(field)} | {_text(field.description)} |"
+            yield f"|`{above}{key}` |{_value(field)} |{_text(field.description)}|"
         for within, place in folded:
             if not _choices(field.annotation):
                 kind = "**table**" if field.is_required() else "tables" if _is_list(field) else "table"
-                yield f"| `{key}{place}` | {kind} | {_text(within.__doc__)} |"
+                yield f"|`{key}{place}` |{kind} |{_text(within.__doc__)}|"
             seen[within] = key
             yield from _rows(within.model_fields, f"{key}{place}.", seen)
 
@@ -209,7 +209,7 @@ def _kind(kind: Any) -> str:
         inner = _kind(arguments[0])
         if arguments[-1] is Ellipsis:
             return f"rows of {inner}" if get_origin(arguments[0]) is tuple else f"{inner}s"
-        return f"{len(arguments)} x {inner}" if inner[0].isdecimal() else f"{len(arguments)} {inner}s"
+        return f"{len(arguments)}×{inner}" if inner[0].isdecimal() else f"{len(arguments)} {inner}s"
     if origin is dict:
         return f"table of {_kind(arguments[1])}"
     if origin in (Union, UnionType):
@@ -225,8 +225,8 @@ def _limits(kind: Any, metadata: Sequence[Any] = ()) -> str:
             if value < LARGEST_PRINTED or sign == "le":
                 ends[sign] = f"{value:g}"
     if ends.keys() == {"ge", "le"}:
-        return f"{ends['ge']} to {ends['le']}"
-    return ", ".join(f"{SIGNS[sign]} {value}" for sign, value in ends.items())
+        return f"{ends['ge']}..{ends['le']}"
+    return ", ".join(f"{SIGNS[sign]}{value}" for sign, value in ends.items())
 
 
 def _marks(kind: Any) -> Iterator[Any]:

@@ -10,6 +10,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator
 from itertools import chain
+from textwrap import indent
 from typing import Any, NamedTuple
 
 import typer
@@ -19,10 +20,10 @@ from orchestrator.cli.main import app
 HEAD = """\
 # Commands
 
-Every command of `flipflow`, as `--help` has them (made by `python -m tools.command_reference`).
-`flipflow --version` prints the versions of all programs. [case-format](case-format.md) explains cases,
-levels and `--set`, [run-folder](run-folder.md) what a run leaves behind and all exit codes.
-What is in **bold** must be given.
+Every command of `flipflow`, as `--help` has them (`python -m tools.command_reference`).
+`flipflow --version` prints versions. [case-format](case-format.md) explains cases,
+levels and `--set`, [run-folder](run-folder.md) results and exit codes.
+What is in **bold** must be given. "Also" are the [options of several commands](#options-of-several-commands).
 
 ## Options of several commands
 """
@@ -35,9 +36,9 @@ def command_reference() -> str:
     common = [row for row, times in count.items() if times > 1]
     lines = [HEAD, *map(_line, common), ""]
     for name, command in commands():
-        lines += [f"## flipflow {name}\n", "```text", inspect.cleandoc(command.help or ""), "```\n"]
-        if also := [row.names for row in rows[name] if row in common]:
-            lines += [f"- {', '.join(also)}: [above](#options-of-several-commands)"]
+        lines += [f"## flipflow {name}\n", indent(inspect.cleandoc(command.help or ""), "    "), ""]
+        if also := [row.names.split(",")[0] for row in rows[name] if row in common]:
+            lines += [f"- also {', '.join(also)}"]
         lines += [*(_line(row) for row in rows[name] if row not in common), ""]
     return "\n".join(lines).rstrip() + "\n"
 

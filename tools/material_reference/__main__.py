@@ -33,11 +33,11 @@ def material_reference() -> str:
 
 def _shapes() -> Iterator[str]:
     """Yield a table of all shape classes."""
-    yield "## Shapes\n\n| shape | grains | `rolling_friction` |\n|---|---|---|"
+    yield "## Shapes\n\n|shape |grains |`rolling_friction`|\n|---|---|---|"
     notes: Notes = {}
     for shape in shapes().values():
         cell = _cell(shape.rolling_friction, shape.name, notes)
-        yield f"| `{shape.name}` | {shape.about} | {cell} |"
+        yield f"|`{shape.name}` |{shape.about} |{cell}|"
     yield from _lines(notes, keyed=False)
 
 
@@ -47,11 +47,11 @@ def _materials() -> Iterator[str]:
     for kind, group in groupby(materials().values(), lambda material: material.kind):
         rows = [*group]
         keys = [*dict.fromkeys(key for material in rows for key in material.quantities)]
-        yield f"| {kind} | {' | '.join(f'`{key}`' for key in keys)} |\n|{'---|' * (len(keys) + 1)}"
+        yield f"|{kind} |{' |'.join(f'`{key}`' for key in keys)}|\n|{'---|' * (len(keys) + 1)}"
         notes: Notes = {}
         for material in rows:
             cells = [_cell(material.quantities.get(key), material.name, notes) for key in keys]
-            yield f"| {material.name} | {' | '.join(cells)} |"
+            yield f"|{material.name} |{' |'.join(cells)}|"
         yield ""
         for material in rows:
             also = f"; also {', '.join(material.also)}" if material.also else ""
@@ -64,11 +64,11 @@ def _contacts() -> Iterator[str]:
     """Yield a table of all contacts."""
     keys = [*dict.fromkeys(key for pair in pairs().values() for key in pair.quantities)]
     yield "## Contacts\n"
-    yield f"| materials | {' | '.join(f'`{key}`' for key in keys)} |\n|{'---|' * (len(keys) + 1)}"
+    yield f"|materials |{' |'.join(f'`{key}`' for key in keys)}|\n|{'---|' * (len(keys) + 1)}"
     notes: Notes = {}
     for pair in pairs().values():
         name = "–".join(pair.between)
-        yield f"| {name} | {' | '.join(_cell(pair.quantities.get(key), name, notes) for key in keys)} |"
+        yield f"|{name} |{' |'.join(_cell(pair.quantities.get(key), name, notes) for key in keys)}|"
     yield from _lines(notes)
 
 

@@ -7,6 +7,7 @@ headings ``### each of `probes` `` and ``## Folders of studies``.
 from __future__ import annotations
 
 import inspect
+import re
 import sys
 from collections.abc import Iterator
 from dataclasses import Field, fields, is_dataclass
@@ -20,7 +21,7 @@ from orchestrator.figures.results import Results, figure_at
 from orchestrator.figures.short_names import SHORT_NAMES
 
 BEGIN, END = "### each of `probes`\n", "## Folders of studies\n"
-HEAD = "| key | meaning |\n|---|---|"
+HEAD = "|key |meaning|\n|---|---|"
 WIDTH = 170
 SMALL = 4
 """A table with so many figures and no tables in it has no section of its own."""
@@ -73,13 +74,15 @@ def _row(each: Field[Any], table: type, path: str) -> str:
         within = f"{path}.*" if inner is not kind else path
         figures = (_named(one, kinds_of(inner)[one.name], f"{within}.{one.name}") for one in fields(inner))
         meaning += f". {'; '.join(' '.join(filter(None, figure)) for figure in figures)}"
-    return f"| {name} | {meaning} |"
+    return f"|{name} |{meaning}|"
 
 
 def _named(each: Field[Any], kind: Any, path: str) -> tuple[str, str]:
-    """Return the name of a figure or a table, and its meaning."""
+    """Return the name of a figure or a table, and its meaning beyond its name and its own section."""
     record = record_of(each)
-    meaning = "" if record.words.replace(" ", "_") == each.name else record.words
+    has_section = is_table(inner_kind(kind)) and not _is_small(inner_kind(kind))
+    is_said = has_section or each.name.startswith(re.sub(r"\W", "_", record.words))
+    meaning = "" if is_said else record.words
     meaning += f"{': ' * bool(meaning)}{record.about}" if record.about else ""
     figure = figure_at(path)
     if is_table(inner_kind(kind)) or figure is None or inner_kind(kind) in (str, bool):

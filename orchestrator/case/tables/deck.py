@@ -29,35 +29,34 @@ class Rims(Table):
     """What particles meet at openings, and how much of the panel counts as solid besides."""
 
     margin_share: Annotated[float, Strict(), Ge(0), Lt(1)] = 0.0
-    """Share of the width that is solid for mass and stiffness alone, of a slice."""
+    """Share of a slice's width that is solid for mass and stiffness alone."""
     rims: Literal["thin", "deep"] = "thin"
-    """thin: edges of a surface. deep: walls through the mat, which follow its normal and stretch."""
+    """thin: edges. deep: walls through the mat, along its normal."""
     depth_m: Positive | None = None
-    """Depth of deep rims; by default the panel's thickness."""
+    """Of deep rims; else the thickness."""
     relief_deg: Annotated[float, Strict(), Ge(-45), Le(45)] | None = None
-    """Angle of deep rims to the normal, 0 by default; positive widens openings downwards."""
+    """Of deep rims to the normal, else 0; positive widens downwards."""
 
 
 class Apertures(Rims):
-    """Equal openings in a centred pattern, as many as fit between the margins ([stiffness and
-    mass](theory/perforated_panel.md))."""
+    """A centred pattern of openings, as many as fit ([stiffness and mass](theory/perforated_panel.md))."""
 
     shape: Literal["rectangle", "slot"] = "rectangle"
     """A slot has round ends, or is a circle."""
     length_m: Positive
-    """Length along the panel."""
+    """Along the panel."""
     width_m: Positive
-    """Width across the panel."""
+    """Across the panel."""
     pitch_along_m: Positive
-    """Distance of centres along the panel."""
+    """Distance of centres."""
     pitch_across_m: Positive
-    """Distance of centres across the panel."""
+    """Distance of centres."""
     stagger: Annotated[float, Strict(), Ge(0), Lt(1)] = 0.0
-    """Shift of every second row across, as a share of the pitch."""
+    """Shift of every second row over its pitch."""
     margin_along_m: NotNegative = 0.0
-    """Least length without openings before each clamp."""
+    """Least solid length at clamps."""
     margin_across_m: NotNegative = 0.0
-    """Least width without openings at each side."""
+    """Least solid width at sides."""
 
     @property
     def smaller_m(self) -> float:
@@ -66,17 +65,17 @@ class Apertures(Rims):
 
 
 class DrawnApertures(Rims):
-    """Openings from a drawing; an outline around all others is the panel's
+    """Openings from a drawing, in the panel's outline if there is one
     (docs/how-to/bring-your-own-geometry.md)."""
 
     file: Annotated[str, StringConstraints(min_length=1, max_length=200)]
-    """DXF file in the case's folder."""
+    """DXF file."""
     unit: Literal["m", "cm", "mm", "in", "ft"] | None = None
-    """Needed where the file does not say it; stands above what it says."""
+    """Unit, in place of the file's."""
     layers: tuple[OneLine, ...] = ()
-    """Layers with the outlines; needed if there is more than one."""
+    """Layers of outlines; needed of several."""
     rotation_deg: Literal[0, 90, 180, 270] = 0
-    """Turn of the drawing anticlockwise, as seen from above."""
+    """Anticlockwise from above."""
 
     _drawing: Drawing | None = PrivateAttr(default=None)
 
@@ -104,21 +103,20 @@ def _way_of_openings(given: Any) -> str:
 
 
 class Stop(Table):
-    """The flat top of a beam on which a panel may come to lie (docs/theory/panel_stops.md)."""
+    """The top of a beam that a panel may touch (docs/theory/panel_stops.md)."""
 
     frame: str | None = None
-    """Frame or "ground"; by default that of the nearer clamp."""
+    """Frame or "ground"; else the nearer clamp's."""
     from_m: NotNegative
-    """Beginning, along the free length."""
+    """Begin, along the free length."""
     to_m: Positive
     """End."""
     gap_m: Positive
-    """Distance below the straight panel."""
+    """Below the straight panel."""
     stiffness_Pa_per_m: Positive | None = None
-    """Pressure over depth of its rubber; by default a tenth of the most allowed, mass per area /
-    ``sync_interval_s``^2."""
+    """Pressure over depth of its rubber; else a tenth of mass per area / ``sync_interval_s``^2."""
     damping_ratio: Share = 0.2
-    """Share of the critical damping."""
+    """Share of critical."""
 
 
 Slope = Annotated[float, Strict(), Ge(0), Le(60)]
@@ -129,19 +127,19 @@ class PanelSheet(Table):
     """The common part of panels and decks: the sheet of a panel with its openings and stops."""
 
     material: str
-    """Material with ``hyperelastic``."""
+    """With ``hyperelastic``."""
     length_m: Positive
-    """Stress-free length between the clamps' inner edges."""
+    """Stress-free, between the clamps."""
     width_m: Positive
     """Width."""
     thickness_m: Positive
     """Thickness."""
     clamp_m: NotNegative = 0.0
-    """Length built in under each clamp; 0 is a hinge."""
+    """Built in at each clamp; 0: a hinge."""
     clamp_angle_deg: ClampAngle = 0.0
-    """Turn of both clamps; positive points the ends down into the sag."""
+    """Of both clamps; positive points ends down."""
     moulded_sag_m: NotNegative = 0.0
-    """Sag of the middle free of stress, a full wave along ``length_m`` (docs/theory/mats.md)."""
+    """Stress-free sag of the middle ([shape](theory/mats.md))."""
     apertures: (
         Annotated[
             Annotated[Apertures, Tag("<pattern>")] | Annotated[DrawnApertures, Tag("<drawing>")],
@@ -155,22 +153,22 @@ class PanelSheet(Table):
 
 
 class SidePlates(Table):
-    """A plate along each side of the deck."""
+    """A plate along each side."""
 
     frame: str
     """Frame or "ground"."""
     material: str
     """Material."""
     height_m: Positive
-    """Above the line of the panels."""
+    """Above the panels."""
     depth_m: NotNegative = 0.0
-    """Below it."""
+    """Below."""
     gap_m: NotNegative = 0.0
-    """From the panels' edges."""
+    """From the panels."""
 
 
 class FeedChute(Table):
-    """A plate, as wide as the deck, that ends above the first cross beam."""
+    """A plate that ends above the first cross beam."""
 
     frame: str = "ground"
     """Frame or "ground"."""
@@ -179,13 +177,13 @@ class FeedChute(Table):
     length_m: Positive
     """Length."""
     slope_deg: Slope
-    """Slope down to the deck."""
+    """Down to the deck."""
     drop_m: NotNegative
-    """Height of its end above the cross beam."""
+    """Its end above the cross beam."""
 
 
 class CrossBeams(Table):
-    """Their tops, which close gaps between clamps."""
+    """Their tops, between the clamps."""
 
     material: str
     """Material."""
@@ -197,24 +195,23 @@ def _as_list(value: Any) -> Any:
 
 
 class Deck(PanelSheet):
-    """A row of panels between cross beams: panels ``<name>-1`` and so on from the upper end, surfaces
-    ``<name>-left-1``, ``<name>-right-1``, ``<name>-beam-1``, ``<name>-chute``."""
+    """A row of panels ``<name>-1`` and so on from the upper end; surfaces are ``<name>-left-1``,
+    ``-right-1``, ``-beam-1``, ``-chute``."""
 
     frames: tuple[str, str]
-    """Frames of the cross beams in turn."""
+    """Of the cross beams in turn."""
     corner_m: Vector
-    """Middle of the first cross beam's top, from which y points into the deck."""
+    """Middle of the first cross beam's top, from which y points inwards."""
     panels: Few
-    """Number of panels."""
+    """Their number."""
     pitch_m: Positive | None = None
-    """Distance of neighbouring cross beams; by default ``length_m``, the largest ``tension_m``, two
-    clamps and 2 mm."""
+    """Of cross beams; else ``length_m``, largest ``tension_m``, two clamps, 2 mm."""
     tension_m: Annotated[tuple[Number, ...], BeforeValidator(_as_list)] = (0.0,)
-    """Distance between clamps minus ``length_m``, positive if taut, of all or of each."""
+    """Distance of clamps less ``length_m``, of all or each: positive if taut."""
     slopes_deg: tuple[Slope, ...] = ()
-    """Slope of each segment against the horizontal; by default one, along the deck axes."""
+    """Of segments, to the horizontal; else one, along x."""
     panels_per_slope: tuple[Few, ...] = ()
-    """Number of panels of each segment; equal by default."""
+    """Panels of each segment; else equal."""
     side_plates: SidePlates | None = None
     """Plates along both sides."""
     feed_chute: FeedChute | None = None

@@ -26,23 +26,22 @@ from orchestrator.case.tables.quantities import (
 
 
 class Drive(Table):
-    """Prescribed motion: amplitude * sin(speed * t + phase) of each component; not with the solver
-    "two-mass"."""
+    """Prescribed motion: amplitude * sin(speed * t + phase); not with "two-mass"."""
 
     speed_rad_per_s: Positive
     """Angular frequency."""
     amplitude_m: Vector = (0.0, 0.0, 0.0)
-    """Amplitude of the translation."""
+    """Translation."""
     phase_rad: Vector = (0.0, 0.0, 0.0)
-    """Phase of each component."""
+    """Its phase."""
     rotation_rad: Vector = (0.0, 0.0, 0.0)
-    """Amplitude of the rotation vector."""
+    """Rotation vector."""
     rotation_phase_rad: Vector = (0.0, 0.0, 0.0)
-    """Phase of each component."""
+    """Its phase."""
     center_m: Vector | None = None
-    """Centre of the rotation, which ``rotation_rad`` needs."""
+    """Centre, which ``rotation_rad`` needs."""
     run_up_s: NotNegative = 0.0
-    """Time in which the motion grows smoothly."""
+    """Time of smooth growth."""
 
     @property
     def moves(self) -> bool:
@@ -61,18 +60,16 @@ class Drive(Table):
 
 
 class Frame(Table):
-    """A rigid body, moved by exciters, bushings and panels, or only by its ``drive``.  The solver
-    "exudyn" knows both kinds at once."""
+    """A rigid body, free or moved by its ``drive``; both at once with "exudyn"."""
 
     center_of_mass_m: Vector | None = None
-    """At t = 0, where the solver knows rotation; with a ``drive`` the recorded point, by default the
-    origin."""
+    """At t = 0, if it can turn; with ``drive`` the recorded point, else the origin."""
     mass_kg: Positive | None = None
-    """Without panels and particles; not with a ``drive``."""
+    """Without panels and particles; not with ``drive``."""
     inertia_kg_m2: tuple[Positive, Positive, Positive] | None = None
-    """Moments about the deck axes through the centre of mass."""
+    """Moments about its centre."""
     products_of_inertia_kg_m2: Vector = (0.0, 0.0, 0.0)
-    """Elements xy, xz and yz."""
+    """xy, xz, yz."""
     drive: Drive | None = None
     """Prescribed motion."""
 
@@ -86,54 +83,54 @@ class CurvePoint(Table):
     """A harmonic test of a bushing."""
 
     amplitude_m: Annotated[float, Strict(), Ge(1e-7), Le(1)]
-    """Half the range of the deformation."""
+    """Amplitude of the deformation."""
     frequency_Hz: Annotated[float, Strict(), Ge(1e-3), Le(1e4)]
     """Frequency."""
     stiffness_N_per_m: Positive
-    """Amplitude of the force in phase over ``amplitude_m``."""
+    """Force in phase over ``amplitude_m``."""
     loss_factor: Annotated[float, Strict(), Ge(0), Le(10)] | None = None
-    """Energy lost in a cycle / (pi ``stiffness_N_per_m`` ``amplitude_m``^2)."""
+    """Loss of a cycle / (pi ``stiffness_N_per_m`` ``amplitude_m``^2)."""
     damping_N_s_per_m: NotNegative | None = None
-    """Instead: viscous damping with the same loss."""
+    """Instead: viscous damping."""
 
 
 class FrictionElement(Table):
     """A spring and a slider in series."""
 
     stiffness_N_per_m: Positive
-    """Stiffness of the spring."""
+    """Stiffness."""
     slip_m: Positive
-    """Stretch at which the slider slips."""
+    """Stretch at slip."""
 
 
 class MaxwellElement(Table):
     """A spring and a damper in series."""
 
     stiffness_N_per_m: Positive
-    """Stiffness of the spring."""
+    """Stiffness."""
     relaxation_s: Positive
     """Damping over stiffness."""
 
 
 class BushingCurve(Table):
-    """Measured stiffness and loss of a bushing, for "exudyn".  A spring with friction and Maxwell
-    elements in parallel is fitted, or given by ``elastic_N_per_m`` and these."""
+    """Measured stiffness and loss, for "exudyn": a spring with friction and Maxwell elements in parallel,
+    fitted or given."""
 
     axes: Annotated[str, StringConstraints(pattern=r"^[xyz]{1,3}$")] = "x"
-    """Axes of the bushing, such as "xz"."""
+    """Axes, as "xz"."""
     points: tuple[CurvePoint, ...] = ()
     """Measured points."""
     file: OneLine | tuple[OneLine, ...] | None = None
-    """Instead of ``points``: text tables whose columns have the points' keys or a testing machine's
-    names; a loop of force over displacement is one point (how-to/come-from-another-program.md)."""
+    """Instead: tables with the points' keys or a testing machine's names, or loops of force over
+    displacement (how-to/come-from-another-program.md)."""
     columns: dict[OneLine, OneLine] = Field(default_factory=dict)
-    """What unclear columns are: "k" = "stiffness / kN/mm", "ignore"."""
+    """Unclear columns: "k" = "stiffness / kN/mm", "ignore"."""
     decimal: Literal["", ".", ","] = ""
-    """Decimal mark, if unclear."""
+    """Decimal mark."""
     frequency_Hz: Annotated[float, Strict(), Ge(1e-3), Le(1e4)] | None = None
-    """Frequency of a loop in ``file`` without times."""
+    """Of a loop without times."""
     elastic_N_per_m: Positive | None = None
-    """Stiffness of the spring, at large amplitude and low frequency."""
+    """Stiffness at large amplitude, low frequency."""
     friction: tuple[FrictionElement, ...] = ()
     """Friction elements."""
     maxwell: tuple[MaxwellElement, ...] = ()
@@ -141,34 +138,33 @@ class BushingCurve(Table):
 
 
 class Characteristic(Table):
-    """Elastic force of one bushing over its deformation, as of a progressive spring, a gap or a stop: linear
-    between points and beyond them, in place of ``stiffness_N_per_m``."""
+    """Elastic force over deformation (progressive spring, gap, stop), linear, in place of the stiffness."""
 
     axes: Annotated[str, StringConstraints(pattern=r"^[xyz]{1,3}$")] = "x"
-    """Axes of the bushing, such as "xz"."""
+    """Axes, as "xz"."""
     deformation_m: tuple[Number, ...] = ()
-    """Way of the second frame against the first along the axis, growing; 0 without load."""
+    """Of the second frame against the first, growing; 0 without load."""
     force_N: tuple[Number, ...] = ()
-    """Forces, which do not fall; 0 at 0."""
+    """Not falling; 0 at 0."""
     symmetric: Switch = False
-    """The points begin at 0, and the other side is alike."""
+    """Points begin at 0; both sides alike."""
     file: OneLine | None = None
-    """Table with the points, in place of both (docs/how-to/come-from-another-program.md)."""
+    """Table instead of both (docs/how-to/come-from-another-program.md)."""
     columns: dict[OneLine, OneLine] = Field(default_factory=dict)
-    """What columns of ``file`` are, where their names leave it open."""
+    """Unclear columns of ``file``."""
     decimal: Literal["", ".", ","] = ""
-    """Decimal mark of ``file``, where it leaves it open."""
+    """Decimal mark of ``file``."""
 
 
 class BushingTemperature(Table):
-    """Stiffness over temperature, which scales stiffness, damping, curves and characteristics alike."""
+    """Stiffness over temperature, which scales all forces."""
 
     works_at_degC: Number
     """Temperature at work."""
     measured_degC: tuple[Number, ...]
     """Temperatures of tests, growing."""
     stiffness_ratio: tuple[Positive, ...]
-    """Stiffness in each test over the given one."""
+    """Stiffness in tests over the given one."""
 
     @property
     def ratio(self) -> float:
@@ -177,19 +173,18 @@ class BushingTemperature(Table):
 
 
 class Bushing(Table):
-    """Equal bushings between two frames: a spring and a damper at each position."""
+    """Equal bushings between two frames, each a spring and a damper."""
 
     between: tuple[str, str]
     """Two frames, or one and "ground"."""
     positions_m: Vectors
-    """A row for each bushing."""
+    """Place of each."""
     stiffness_N_per_m: NotNegativeVector
-    """Of one, along its axes; along an axis with a curve or a characteristic for estimates, and along an axis
-    with a curve for linear solvers."""
+    """Of one, along its axes; beside curves or characteristics only for estimates and linear solvers."""
     damping_N_s_per_m: NotNegativeVector = (0.0, 0.0, 0.0)
-    """Viscous, likewise."""
+    """Viscous damping of one."""
     rotation_deg: Vector = (0.0, 0.0, 0.0)
-    """Turn of its axes about the deck's x, then y, then z."""
+    """Turn of its axes about x, then y, then z."""
     curves: tuple[BushingCurve, ...] = ()
     """Measured curves."""
     characteristics: tuple[Characteristic, ...] = ()
@@ -199,57 +194,56 @@ class Bushing(Table):
 
 
 class Motor(Table):
-    """An induction motor on the ground, whose speed drops under load, for "exudyn"; others turn at
-    ``speed_rad_per_s``."""
+    """An induction motor that slows under load, for "exudyn"."""
 
     rated_power_W: Positive
-    """Of all motors of the shaft."""
+    """Of all the shaft's motors."""
     synchronous_speed_rad_per_s: Positive
-    """Speed of the shaft without load, after gears and belts."""
+    """Of the shaft without load, after gears."""
     rated_slip: Annotated[float, Strict(), Gt(0), Le(0.2)]
-    """Lag at rated power, over the synchronous speed."""
+    """Lag at rated power over synchronous speed."""
     breakdown_ratio: Annotated[float, Strict(), Ge(1), Le(10)] = 2.5
-    """Breakdown torque over rated torque."""
+    """Breakdown over rated torque."""
     moment_of_inertia_kg_m2: Positive
-    """All rotating parts with unbalance and rotor, at the shaft's speed."""
+    """All that rotates, at the shaft's speed."""
     bearing_loss_N_m_s: NotNegative = 0.0
-    """Torque of the bearings over the shaft's speed."""
+    """Torque over speed."""
 
 
 class Bearings(Table):
-    """Roller bearings that share the force, for their basic rating life in ``check`` and the page."""
+    """Roller bearings that share the force, for their rating life."""
 
     dynamic_rating_N: Positive
-    """Basic dynamic load rating C."""
+    """Basic dynamic rating C."""
     count: Annotated[int, Strict(), Ge(1), Le(100)] = 2
     """Their number."""
 
 
 class Exciter(Table):
-    """A rotating unbalance on a frame."""
+    """A rotating unbalance."""
 
     frame: str
     """Its frame."""
     position_m: Vector
-    """Point of its axis."""
+    """On its axis."""
     mass_moment_kg_m: Positive
-    """Unbalanced mass times eccentricity."""
+    """Mass times eccentricity."""
     speed_rad_per_s: Positive
-    """Speed after the run-up."""
+    """Full speed."""
     axis: Vector = (0.0, 1.0, 0.0)
-    """Direction of the shaft; it turns in the positive sense."""
+    """Shaft, which turns in the positive sense."""
     start: Vector = (0.0, 0.0, 1.0)
-    """Direction of the force at angle ``phase_rad``, normal to ``axis``."""
+    """Force at angle ``phase_rad``, normal to ``axis``."""
     phase_rad: Number = 0.0
     """Angle at t = 0."""
     start_s: NotNegative = 0.0
-    """Start; it stands still until then."""
+    """Start."""
     run_up_s: NotNegative = 0.0
-    """Time from ``start_s`` to full speed, of a motor to full synchronous speed."""
+    """From ``start_s`` to full (motor: synchronous) speed."""
     stop_s: NotNegative | None = None
-    """Start of the run-down; never by default."""
+    """Start of the run-down; else never."""
     run_down_s: NotNegative = 0.0
-    """Time from ``stop_s`` to standstill, of a motor to synchronous speed 0."""
+    """From ``stop_s`` to (synchronous) standstill."""
     motor: Motor | None = None
     """Motor that turns the shaft."""
     bearings: Bearings | None = None

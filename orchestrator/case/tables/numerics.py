@@ -16,18 +16,18 @@ from orchestrator.ports.adapters import FramesAdapter, PanelAdapter, ParticlesAd
 
 
 class PanelSolver(Table):
-    """The solver of the panels."""
+    """The panels' solver."""
 
     solver: Annotated[str, SolverName("panel")] = "sheet"
-    """Its name."""
+    """[Name](#solvers)."""
     integrator: Literal["explicit", "implicit"] = "explicit"
-    """Time integration of "sheet" and "solid"."""
+    """Of "sheet" and "solid"."""
     cells: Cells = (22, 8)
-    """Finite elements along and across, with "solid" besides openings."""
+    """Finite elements along, across; of "solid" beside openings."""
     surface_cells: Cells = (22, 8)
-    """Cells of the surface that particles touch, along and across, two triangles each."""
+    """Of the touched surface, two triangles each."""
     step_s: NotNegative = 0.0
-    """Largest time step; 0: the solver's limit with a margin."""
+    """Largest step; 0: the solver's limit."""
 
     @property
     def adapter(self) -> PanelAdapter:
@@ -36,12 +36,12 @@ class PanelSolver(Table):
 
 
 class FramesSolver(Table):
-    """The solver of the frames."""
+    """The frames' solver."""
 
     solver: Annotated[str, SolverName("frames")] = "exudyn"
-    """Its name."""
+    """[Name](#solvers)."""
     step_s: NotNegative = 0.0
-    """Largest time step; 0: the solver's own."""
+    """Largest step; 0: the solver's."""
 
     @property
     def adapter(self) -> FramesAdapter:
@@ -50,34 +50,33 @@ class FramesSolver(Table):
 
 
 class ParticlesSolver(Table):
-    """The solver of the particles."""
+    """The particles' solver."""
 
     solver: Annotated[str, SolverName("particles")] = "liggghts"
-    """Its name; with "none" the machine runs empty."""
+    """[Name](#solvers); "none": an empty machine."""
     step_s: NotNegative = 0.0
-    """Largest time step; 0: by ``rayleigh_fraction``."""
+    """Largest step; 0: by ``rayleigh_fraction``."""
     rayleigh_fraction: Annotated[float, Strict(), Gt(0), Le(1)] = 0.2
     """Largest step over the smallest Rayleigh time, at most 0.2."""
     feed_interval_s: NotNegative = 0.002
-    """Time between batches of fed particles, each of which costs seven steps; 0: every sync interval."""
+    """Between batches, which cost seven steps; 0: the sync interval."""
     largest_youngs_modulus_Pa: Positive | None = None
-    """Stiffer contacts are softened to it, for longer steps."""
+    """Softens stiffer contacts, for longer steps."""
     coarse_graining: Annotated[float, Strict(), Ge(1), Le(10)] = 1.0
-    """Factor k on diameters, a particle for k^3; not for particles below four openings
-    (docs/theory/feed.md)."""
+    """Factor k on diameters, one particle for k^3; none below four openings (docs/theory/feed.md)."""
     softened_adhesion: Literal["sticking", "pull-off"] | None = None
-    """What softened contacts keep: the speed below which particles stick, or the force, the default with
-    a bond number or moisture."""
+    """Of softened contacts: kept speed of sticking, or kept force, the default with a bond number or
+    moisture."""
     adhesion: Literal["none", "sjkr", "jkr"] | None = None
-    """Law (docs/theory/adhesion.md); by default jkr if contacts have a work of adhesion."""
+    """Law (docs/theory/adhesion.md); else jkr, if there is adhesion."""
     sjkr_diameter_m: Positive | None = None
-    """Real diameter with sjkr's true pull-off force; by default the geometric mean of the extremes."""
+    """Diameter with the true pull-off force; else the geometric mean of the extremes."""
     rolling: Literal["none", "cdt", "epsd2"] = "epsd2"
-    """Law of rolling friction. cdt: constant torque. epsd2: elastic-plastic."""
+    """Law. cdt: constant torque. epsd2: elastic-plastic."""
     wear: Literal["none", "archard"] = "archard"
-    """Law of wear."""
+    """Law."""
     air_drag: Literal["none", "schiller-naumann"] = "schiller-naumann"
-    """Law of drag in ``air``."""
+    """Law in ``air``."""
 
     @property
     def adapter(self) -> ParticlesAdapter | None:
@@ -86,26 +85,25 @@ class ParticlesSolver(Table):
 
 
 class Coupling(Table):
-    """The exchange of motion and load between the solvers."""
+    """The exchange between the solvers."""
 
     scheme: Literal["particles-first", "robin", "serial-staggered", "aitken", "quasi-newton", "auto"] = "auto"
-    """Order of the solvers (docs/theory/coupling.md): robin predicts the panels' motion, aitken and
-    quasi-newton repeat intervals; auto: the first safe one of particles-first, robin, aitken."""
+    """Order of solvers (docs/theory/coupling.md); auto: the first safe of particles-first, robin, aitken."""
     sync_interval_s: Positive = 5e-5
-    """Time between two exchanges."""
+    """Between exchanges."""
     tolerance: Annotated[float, Strict(), Gt(0), Le(0.1)] = 1e-3
-    """Largest relative difference of the loads in a repeated interval."""
+    """Relative, of the loads in repeated intervals."""
     most_iterations: Annotated[int, Strict(), Gt(0), Le(1000)] = 60
-    """Most runs of a repeated interval, else a warning."""
+    """Runs of an interval, else a warning."""
 
 
 class Exchange(Table):
-    """What the solvers exchange; without one, physics is left out, and balances do not close."""
+    """What the solvers exchange; without one, balances do not close."""
 
     frame_motion: Switch = True
     """Frames move the panels' clamps."""
     panel_motion: Switch = True
-    """Panels and walls move the surface that particles touch."""
+    """Panels and walls move the touched surface."""
     particle_load: Switch = True
     """Particles load the panels."""
     panel_reaction: Switch = True
@@ -116,93 +114,88 @@ Then = Literal["warn", "shorten", "stop"]
 
 
 class ItemSettings(Table):
-    """An additional item of an installed package (docs/how-to/add-a-monitor-item.md)."""
+    """An item of an installed package (docs/how-to/add-a-monitor-item.md)."""
 
     then: Then
-    """Reaction above the limit."""
+    """Reaction."""
     limit: Annotated[float, Strict(), Ge(-1e12), Le(1e12)]
-    """Largest value, in the item's unit."""
+    """Largest value."""
 
 
 class MonitorSettings(Table):
-    """Reactions to events that should not happen ([how often it looks](theory/stability.md)): "warn"
-    once; "shorten" the sync intervals until ``calm_s`` has passed without one; or "stop" the run (exit
-    code 4), with its results and the last checkpoint before."""
+    """Reactions to [events](theory/stability.md): "warn" once, "shorten" the sync intervals for ``calm_s``,
+    or "stop" (exit code 4). A `largest_` or `most_` is the limit of the key above it."""
 
     created_energy: Then = "shorten"
-    """The coupling makes or destroys energy within some twenty intervals."""
+    """The coupling makes or destroys energy, in some twenty intervals."""
     largest_created_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.05
-    """This over the energy through the interface."""
+    """Over energy exchanged."""
     created_in_total: Literal["warn", "stop"] = "warn"
-    """The same since t = 0, by the ledger every 5 ms."""
+    """Since t = 0, by the ledger."""
     largest_created_in_total: Annotated[float, Strict(), Gt(0), Le(1)] = 0.01
-    """This over the energy through the interface or lost; beyond it a run is
-    [doubtful](theory/stability.md)."""
+    """Over energy exchanged or lost; beyond it a run is doubtful."""
     growing_modes: Then = "shorten"
-    """Points of the surface alternate from interval to interval and grow."""
+    """Points of the surface alternate and grow."""
     largest_growing_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1
-    """Their speed over the largest so far (root mean square)."""
+    """Their rms speed over the largest so far."""
     stretched_panels: Then = "warn"
-    """A panel is stretched too far along an edge of a triangle."""
+    """A panel stretches too far."""
     largest_stretch: Annotated[float, Strict(), Gt(0), Le(10)] = 0.3
-    """Elongation over length; constants are measured up to the default."""
+    """Elongation over length."""
     penetrated_surfaces: Literal["warn", "stop"] = "stop"
-    """A panel goes through a surface or panel; a beam on which it may lie must be a stop.  At the start
-    it is refused."""
+    """A panel goes through a surface or panel; a beam under it is a stop. Refused at the start."""
     largest_penetration: Annotated[float, Strict(), Ge(0), Le(1000)] = 0.5
-    """Distance of its middle beyond, over its thickness."""
+    """Depth of its middle over thickness."""
     deep_overlaps: Then = "warn"
     """Particles overlap too deeply."""
     largest_overlap: Annotated[float, Strict(), Gt(0), Le(1)] = 0.2
-    """Over the smaller radius; the default is twice the limit of Hertz's theory."""
+    """Over the smaller radius; Hertz's limit is 0.1."""
     crossed_surface: Literal["warn", "stop"] = "stop"
-    """A particle's centre goes through the surface beside openings: contacts are too soft or steps too
-    long; doubtful."""
+    """A centre passes the surface beside openings: too soft, steps too long."""
     most_crossings: Annotated[int, Strict(), Ge(0)] = 0
-    """Crossings that are accepted."""
+    """Crossings."""
     long_steps: Then = "warn"
-    """Particles or points of the surface move too far in a particle step."""
+    """Particles or points move too far in a step."""
     largest_step_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1
-    """Over the radius, of points over the smallest."""
+    """Over the (smallest) radius."""
     calm_s: NotNegative = 0.0
-    """Time without events until intervals lengthen; 0: a cycle, or 100 intervals without a drive."""
+    """Quiet time until intervals lengthen; 0: a cycle or 100 intervals."""
     lost_particles: Literal["warn", "stop"] = "warn"
     """Particles leave the domain beside exits."""
     escaped_particles: Literal["warn", "stop"] = "warn"
-    """Particles that fit no opening leave with the undersize."""
+    """Undersize has particles that fit no opening."""
     folded_panels: Literal["warn", "stop"] = "stop"
-    """A panel's middle line is nearer to itself than its thickness."""
+    """A panel's middle line nears itself to its thickness."""
     jammed_feed: Literal["warn", "stop"] = "stop"
-    """A feed takes less than half of what is due in ``jam_s``."""
+    """A feed brings less than half in ``jam_s``."""
     jam_s: Positive = 0.2
-    """Time over which a feed is judged."""
+    """Time that judges a feed."""
     items: dict[Name, ItemSettings] = Field(default_factory=dict)
     """Additional items by name."""
 
 
 class CheckpointSettings(Table):
-    """Checkpoints for ``flipflow resume``, besides those at the end and when interrupted."""
+    """More checkpoints than at the end and when interrupted."""
 
     every_s: NotNegative = 0.0
-    """Simulated time between two; 0: none."""
+    """Simulated time between; 0: none."""
     wall_min: NotNegative = 10.0
-    """Wall time between two; 0: none."""
+    """Wall time between; 0: none."""
 
 
 class Output(Table):
-    """The output of a run."""
+    """Output: times between rows, 0 for none."""
 
     interval_s: Positive = 0.005
-    """Time between snapshots for ParaView, profiles and the ledger; means of the bed need four in a
-    cycle."""
+    """Snapshots, profiles, ledger; means of the bed need four in a cycle."""
     series_s: NotNegative = 0.0
-    """Time between rows of probes, frames, bushings and mean panel forces; 0: every sync point.  Orbits
-    need 20 in a cycle, accelerations one in 0.9 ms."""
+    """Probes, frames, bushings, panel forces; 0: every sync point. Orbits need 20 in a cycle, accelerations
+    one in 0.9 ms."""
     shapes_s: NotNegative = 0.0
-    """Time between rows of panel shapes; 0: none."""
+    """Panel shapes."""
     loads_s: NotNegative = 0.0
-    """Time between rows of all loads for ``flipflow loads``; 0: none."""
+    """Loads, for ``flipflow loads``."""
     pictures: Switch = True
-    """Whether pictures are made at the end."""
+    """At the end."""
     cut_size_m: Positive | None = None
-    """Size that divides fine from coarse; by default the openings' smaller side."""
+    """Fine from coarse; else the openings' smaller side."""

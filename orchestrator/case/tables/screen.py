@@ -17,49 +17,47 @@ from orchestrator.case.tables.quantities import Box, Few, Name, Number, Positive
 
 
 class PanelTable(PanelSheet):
-    """A rectangular panel clamped at both ends, or a row of ``count``, ``<name>-1`` and so on, whose
-    neighbours share cross beams."""
+    """A panel clamped at both ends, or a row ``<name>-1`` and so on, with shared cross beams."""
 
     frames: tuple[str, str]
-    """Frames, or "ground", of the first and the second clamp; in a row they alternate."""
+    """Of the first and the second clamp; a row alternates."""
     corner_m: Vector
-    """End of the first clamp's inner edge, from which ``across`` points into the panel."""
+    """End of the first clamp's inner edge, from which ``across`` points inwards."""
     along: Vector = (1.0, 0.0, 0.0)
-    """Direction from the first clamp to the second."""
+    """From the first clamp to the second."""
     across: Vector = (0.0, 1.0, 0.0)
-    """Direction of the width; ``along`` x ``across`` points to the particles."""
+    """Along the width; ``along`` x ``across`` points to the particles."""
     tension_m: Number | None = None
-    """Distance between the clamps minus ``length_m``, positive if taut."""
+    """Distance of the clamps less ``length_m``: positive if taut."""
     span_m: Positive | None = None
-    """Instead: distance between the clamps' inner edges."""
+    """Instead: distance of the clamps."""
     count: Few = 1
-    """Number of panels in the row."""
+    """Panels in the row."""
     pitch_m: Positive | None = None
-    """Distance of neighbours along ``along``, corner to corner."""
+    """Distance of their corners."""
 
 
 class Surface(Table):
-    """A rigid surface, touched from both sides: a file, or a plate with a corner and two edges."""
+    """A rigid surface with two sides: a file, or a plate of a corner and two edges."""
 
     file: str | None = None
-    """STEP or IGES, or with ``unit`` STL, OBJ, PLY, VTK or MSH (Gmsh); faults are healed, and ``check``
-    names them."""
+    """STEP, IGES, or with ``unit`` STL, OBJ, PLY, VTK, MSH; it is healed."""
     stl: str | None = None
-    """Instead of ``file``: STL in m, or in ``unit``."""
+    """Instead: STL in m or ``unit``."""
     unit: Literal["m", "cm", "mm", "in", "ft"] | None = None
     """Unit of the coordinates."""
     scale: Positive | None = None
-    """Factor of the coordinates; 1 by default."""
+    """Factor; else 1."""
     rotation_deg: Vector | None = None
-    """Turn about the deck's x, then y, then z axis."""
+    """Turn about x, then y, then z."""
     move_m: Vector | None = None
     """Shift after the turn."""
     tolerance_m: Positive | None = None
-    """Largest distance of triangles from curved faces; 1e-4 by default."""
+    """Of triangles from curved faces; else 1e-4."""
     corner_m: Vector | None = None
     """Corner of the plate."""
     edges_m: tuple[Vector, Vector] | None = None
-    """Edges from it; their vector product points up."""
+    """Its edges; their vector product points up."""
     frame: str
     """Frame or "ground"."""
     material: str
@@ -67,25 +65,23 @@ class Surface(Table):
 
 
 class Exit(Table):
-    """A box that removes and counts particles: undersize below the deck, oversize behind it."""
+    """A box that removes and counts particles."""
 
     product: Literal["undersize", "oversize"]
-    """What leaves here."""
+    """What leaves: below the deck, or behind it."""
     box_m: Box
-    """Lowest and highest corner, 0.55 of the largest diameter apart or more.  A particle leaves when its
-    centre is inside, unless it lies on a panel."""
+    """Corners, at least 0.55 largest diameters apart. Centres inside leave, unless on a panel."""
 
 
 class Screen(Table):
     """The machine, in deck axes."""
 
     inclination_deg: Number = 0.0
-    """Slope of the deck, downwards along x."""
+    """Slope, down along x."""
     drawn_at_rest: Switch = True
-    """true: bushings are preloaded, nothing moves before a start. false: frames drop onto unloaded
-    bushings."""
+    """true: bushings carry the weight at t = 0. false: frames drop onto them."""
     largest_acceleration_m_per_s2: Annotated[float, Strict(), Gt(0), Le(1e7)] = 392.0
-    """Frames that would move harder are refused; 40 g by default."""
+    """Refuses frames that move harder."""
     frames: dict[Name, Frame] = Field(default_factory=dict)
     """Frames by name."""
     bushings: dict[Name, Bushing] = Field(default_factory=dict)
