@@ -9,8 +9,10 @@ docs/measured/cost.csv, which the test suite compares with the predictions.
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import dataclass
+from typing import Annotated
+
+import typer
 
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.cli.planning import time_run
@@ -131,8 +133,8 @@ def compare(name: str) -> CostComparison:
     return CostComparison(name, *predict(name), processor_by_part_s(summary))
 
 
-def main(names: list[str]) -> None:
-    """Print the table of the named runs, or of all runs."""
+def main(names: Annotated[list[str] | None, typer.Argument()] = None) -> None:
+    """Print predicted and measured processor times of the named runs, or of all runs."""
     print("| run | predicted / s | measured / s | ratio | parts: predicted/measured |")
     print("| --- | --- | --- | --- | --- |")
     for name in names or runs_by_name():
@@ -140,4 +142,4 @@ def main(names: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    typer.run(main)

@@ -8,6 +8,7 @@ energy.  Measured figures: docs/reliability.md, "Long runs".
 
 from __future__ import annotations
 
+import argparse
 import csv
 import os
 import re
@@ -26,10 +27,14 @@ COLUMNS = ("wall_s", "simulated_s", "processor_s", "resident_MiB", "files_open",
 
 def main(words: list[str]) -> int:
     """Run or print the table, as the words of the command line say, and return the exit code."""
-    if words[0] == "--table":
-        print(table(Path(words[1])))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--table", action="store_true")
+    given, more = parser.parse_known_args(words)
+    if given.table:
+        print(table(given.out))
         return 0
-    return run_and_sample(Path(words[0]), words[1:])
+    return run_and_sample(given.out, more)
 
 
 def run_and_sample(out: Path, more: list[str]) -> int:

@@ -8,10 +8,12 @@ Measured figures: docs/measured/accuracy.md, "Stated and true errors".
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from orchestrator.output.tables import Cell, write_csv
 from orchestrator.studies.accuracy.combinations import EXACT, TOGETHER, Combination, StudyRequest, errors
@@ -55,7 +57,7 @@ PROBLEMS = (
 )
 
 
-def main(out: Path, cases: Sequence[str]) -> None:
+def main(out: Path, cases: Annotated[list[str] | None, typer.Argument()] = None) -> None:
     """Study the problems of these cases, by default all, and print and write what came of it."""
     rows: list[dict[str, Cell]] = []
     for problem in PROBLEMS:
@@ -114,4 +116,4 @@ def compared(problem: Problem, study: AccuracyStudy, truth: Combination) -> Iter
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2:])
+    typer.run(main)

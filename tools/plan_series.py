@@ -3,15 +3,16 @@
 The tool takes the unchanged case of the study and the settings that the study would choose for 20, 10, 5 and
 2 %, at half, once and one and a half times the study's duration.  For each of them it makes a short run, as
 ``plan`` does, and then the run itself.  The wall times are meaningful only on a machine without other work.
-Measured figures: docs/measured/accuracy.md, "Times".
+Measured figures: docs/measured/accuracy.md, "Predicted and measured times".
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
+
+import typer
 
 from orchestrator.cli.planning import time_by_study, time_run
 from orchestrator.preflight.judge import load_judged
@@ -56,4 +57,4 @@ def candidates(study: StoredStudy) -> list[Candidate]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2], Path(sys.argv[3]))
+    typer.run(main)

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import random
 import shlex
-import sys
 from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
+
+import typer
 
 from orchestrator.figures.accuracy import Accuracy
 from orchestrator.studies.accuracy.nearest import accuracy_of
@@ -23,7 +24,7 @@ from orchestrator.workbench import Case, Run
 SEED = 0
 
 
-def main(case: Path, level: str, file: Path, out: Path, runs: int, fine: Sequence[str]) -> None:
+def main(case: Path, level: str, file: Path, out: Path, runs: int, fine: list[str]) -> None:
     """Print the table of stated and true errors, and in how many runs the true error is within the stated."""
     study = find_study(Case.load(case, level), file)
     assert study is not None, "a given file has a study, or is refused"
@@ -85,4 +86,4 @@ def values(case: Path, level: str, sets: Sequence[str], folder: Path) -> dict[st
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2], Path(sys.argv[3]), Path(sys.argv[4]), int(sys.argv[5]), sys.argv[6:])
+    typer.run(main)

@@ -9,12 +9,13 @@ m/s. Measured figures: docs/measured/design.md.
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable
 from functools import partial
+from typing import Annotated
 
 import numpy as np
+import typer
 
 from orchestrator.ports import Array
 from orchestrator.studies.design.aim import Aim, Goal, Limit
@@ -47,7 +48,7 @@ METHODS = (
 )
 
 
-def main(seeds: int) -> None:
+def main(seeds: Annotated[int, typer.Argument()] = 12) -> None:
     """Print a table of the losses on all problems."""
     print(
         "| problem | runs | method | median loss | worst loss | worst beyond a limit | time of a search / s |"
@@ -155,4 +156,4 @@ def _given(problem: Problem, best: float, start: int, total: int, seed: int) -> 
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 12)
+    typer.run(main)

@@ -10,12 +10,13 @@ same scene; ``error_of`` says whether model or mesh differ from the reference's,
 from __future__ import annotations
 
 import csv
-import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 import flipflow
 from orchestrator.output.records.summary import processor_by_part_s
@@ -160,10 +161,10 @@ def table(scene: str) -> str:
     return "\n".join(lines)
 
 
-def main(words: Sequence[str]) -> None:
+def main(words: Annotated[list[str] | None, typer.Argument()] = None) -> None:
     """Make the runs whose way, scene and settings have all words, and write the table after each."""
     for each in ways():
-        if all(word in f"{each.way}, {each.scene}, {each.settings}" for word in words):
+        if all(word in f"{each.way}, {each.scene}, {each.settings}" for word in words or ()):
             row = each.measure()
             key = row["way"], row["scene"], row["settings"]
             rows = {(old["way"], old["scene"], old["settings"]): old for old in read()}
@@ -172,4 +173,4 @@ def main(words: Sequence[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    typer.run(main)
