@@ -121,8 +121,7 @@ def shot(grains: int, seconds: float, seed: int = 1) -> tuple[int, Array, int]:
 
 @pytest.mark.parametrize("_", LIGGGHTS_ALONE)
 @pytest.mark.parametrize(
-    ("seeds", "seconds", "impacts"),
-    [(1, 0.1, 8_000), pytest.param(6, 0.5, 300_000, marks=pytest.mark.slow)],
+    ("seeds", "seconds", "impacts"), [(1, 0.1, 8_000), pytest.param(6, 0.5, 300_000, marks=pytest.mark.slow)]
 )
 def test_nobody_gets_into_the_material(_: str, seeds: int, seconds: float, impacts: int) -> None:
     """700 grains of 1.5 to 2.5 mm fly at 3 m/s about a mat with slots of 3 x 20 mm.
