@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
+from functools import lru_cache
+
 import numpy as np
 from scipy.optimize import minimize
 
@@ -15,6 +18,7 @@ NEWTON_ITERATIONS = 20
 # In balance to this share of the weight.  Below it, steps lower the energy by less than its rounding, and
 # a trust region shrinks to nothing.
 NEARLY_BALANCED = 1e-3
+REMEMBERED = 256  # shapes
 NEGLIGIBLE_MOVE = 1e-10  # of the length; rounding leaves 1e-11 in thin slack strips
 
 
@@ -23,8 +27,17 @@ def settle(chain: Chain, plan: PanelPlan) -> Array:
     mounted.
 
     A trust-region Newton method finds the valley (the straight slack chain is no minimum), plain Newton
-    iterations the bottom.  Raises SolverFailed if there is none.
+    iterations the bottom.  Shapes are remembered, since many trials open the same panel.  Raises SolverFailed
+    if there is none.
     """
+    return _settled(pickle.dumps((chain, plan))).copy()
+
+
+@lru_cache(REMEMBERED)
+def _settled(pickled: bytes) -> Array:
+    chain: Chain
+    plan: PanelPlan
+    chain, plan = pickle.loads(pickled)
     rectangle = plan.rectangle
     start_m = first_guess_m(chain, rectangle, side_of_sag(plan))
     weight_N = np.outer(chain.mass_kg, plan.gravity_m_per_s2)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from scipy.fft import next_fast_len
 from scipy.interpolate import CubicSpline
 from scipy.sparse import block_diag, csr_array
 
@@ -161,31 +162,35 @@ def regimes(
     """
     adapter = _adapter(solver or mat_solver())
     watched_s = max((trial.turns_before + watched_turns) * trial.turn_s for trial in trials)
-    rows = math.ceil(watched_s / INTERVAL_S)
+    rows = next_fast_len(math.ceil(watched_s / INTERVAL_S))
+    time_s = INTERVAL_S * np.arange(rows + 1)
+    paths = [trial.clamps_at(time_s) for trial in trials]
     with ExitStack() as opened:
         panels = []
         for trial in trials:
             panels.append(trial.open(adapter, cells))
             opened.callback(panels[-1].close)
-        middle_m, middle_m_per_s = _move(trials, panels, rows)
-    time_s = INTERVAL_S * np.arange(rows + 1)
+        middle_m, middle_m_per_s = _move(trials, panels, paths)
     return [
-        _watch(trial, time_s, middle_m[:, number], middle_m_per_s[:, number], watched_turns)
+        _watch(trial, time_s, paths[number][0], middle_m[:, number], middle_m_per_s[:, number], watched_turns)
         for number, trial in enumerate(trials)
     ]
 
 
-def _move(trials: Sequence[Trial], panels: Sequence[MeshedPanel], rows: int) -> tuple[Array, Array]:
-    """Return the places and velocities (rows + 1, mats, 3) of the mats' middles.
+def _move(
+    trials: Sequence[Trial], panels: Sequence[MeshedPanel], paths: Sequence[tuple[Array, Array]]
+) -> tuple[Array, Array]:
+    """Return the places and velocities (times, mats, 3) of the mats' middles.
 
-    Rows are ``INTERVAL_S`` apart; the first is that of the mats at rest.
+    ``paths`` are displacements and velocities (times, 2, 3) of the clamps of each.  Times are ``INTERVAL_S``
+    apart; the first is that of the mats at rest.
     """
     states = [panel.initial() for panel in panels]
     state = _concatenate(states)
     mount_m = np.concatenate([panel.mount.position_m for panel in panels])
     counts = [len(panel.mount.frame) for panel in panels]
-    time_s = INTERVAL_S * np.arange(rows + 1)
-    clamps = np.stack([trial.clamps_at(time_s) for trial in trials], axis=2)
+    clamps = np.stack(paths, axis=2)
+    rows = clamps.shape[1]
     of_clamp = np.concatenate([_clamp_of(*pair) for pair in zip(trials, panels, strict=True)])
     of_mat = np.repeat(np.arange(len(trials)), counts)
     to_middle = csr_array(block_diag([_middle(*pair) for pair in zip(trials, panels, strict=True)]))
@@ -206,8 +211,8 @@ def _move(trials: Sequence[Trial], panels: Sequence[MeshedPanel], rows: int) -> 
         )
 
     unloaded = Load.zero(len(state.surface))
-    places_m, velocities_m_per_s = np.empty((2, rows + 1, len(trials), 3))
-    for row in range(rows + 1):
+    places_m, velocities_m_per_s = np.empty((2, rows, len(trials), 3))
+    for row in range(rows):
         if row:
             moved_m, moved_m_per_s = clamps[:, row, of_mat, of_clamp]
             motion = Motion(mount_m + moved_m, moved_m_per_s)
@@ -239,10 +244,12 @@ def _middle(trial: Trial, panel: MeshedPanel) -> csr_array:
     return panel.interpolation(np.array([[at.length_m / 2, at.width_m / 2]])).values
 
 
-def _watch(trial: Trial, time_s: Array, middle_m: Array, middle_m_per_s: Array, watched_turns: int) -> Regime:
-    """Return the regime of a mat whose middle moves as in (rows, 3)."""
+def _watch(
+    trial: Trial, time_s: Array, clamps_m: Array, middle_m: Array, middle_m_per_s: Array, watched_turns: int
+) -> Regime:
+    """Return the regime of a mat whose clamps move as in (times, 2, 3) and whose middle as in (times, 3)."""
     at = trial.plan.rectangle
-    between_m = trial.clamps_at(time_s)[0].mean(axis=1)
+    between_m = clamps_m.mean(axis=1)
     rest_m = at.corner_m + at.span_m / 2 * at.along
     height_m = (middle_m - rest_m - between_m) @ at.normal
     start_s = trial.turns_before * trial.turn_s
