@@ -196,8 +196,8 @@ def test_a_run_without_openings_says_the_same_of_them() -> None:
 
 
 def test_names_of_results_are_in_the_manual() -> None:
-    text = (CASES.parent / "docs" / "theory" / "effects.md").read_text()
-    assert all(f"`{name}`" in text for name in SHORT_NAMES)
+    text = (CASES.parent / "docs" / "run-folder.md").read_text()
+    assert all(f"(`{name}`" in text for name in SHORT_NAMES)
 
 
 def test_auto_takes_what_two_runs_said_and_asks_no_more(

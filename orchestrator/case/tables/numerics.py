@@ -123,8 +123,9 @@ class ItemSettings(Table):
 
 
 class MonitorSettings(Table):
-    """Reactions to [events](theory/stability.md): "warn" once, "shorten" the sync intervals for ``calm_s``,
-    or "stop" (exit code 4). A `largest_` or `most_` is the limit of the key above it."""
+    """Reactions to [events](theory/stability.md): "warn" once, "shorten" the sync intervals, up to 64
+    times, until ``calm_s`` has passed without one, or "stop" (exit code 4).  NaN, points faster than 300 m/s
+    and lost particles always stop.  A `largest_` or `most_` is the limit of the key above it."""
 
     created_energy: Then = "shorten"
     """The coupling makes or destroys energy, in some twenty intervals."""

@@ -46,7 +46,9 @@ def command(
     Then the joint settings are run: the reference, and the cheapest for each tolerance.  A second call makes
     the missing runs. accuracy.html shows all; flipflow plan uses accuracy.json.
 
-    Of a folder, each case with an accuracy.toml is studied; layers.csv has all.
+    Of a folder of cases, each one with an accuracy.toml is studied, and layers.csv has all.  That file has
+    title, level, and the options sets, parameters, quantities, points, seeds and budget_s; its table [quick]
+    has those that differ with --quick.
 
     Exit code 4: a run failed.
     """

@@ -75,5 +75,5 @@ def find_scenes(study: CaseStudy) -> Iterator[tuple[Scene, CaseStudy]]:
         raise CaseError(problems)
     if not scenes:
         what = f"is no case, and has no case with {FILE}"
-        raise CaseError([CaseProblem((), what, "docs/theory/accuracy.md", str(study.case), kind="file")])
+        raise CaseError([CaseProblem((), what, "docs/commands.md", str(study.case), kind="file")])
     yield from scenes
