@@ -214,7 +214,7 @@ def test_criteria_over_those_of_another_case(case: Path) -> None:
     assert criteria.runs["speed"].vary.endswith("=70")
     assert criteria.source == read_criteria(case).source
     (other / "criteria.toml").write_text(text.replace("../case", "../nowhere"))
-    with pytest.raises(CaseError, match=r'base: "\.\./nowhere" is no other case with criteria\.toml'):
+    with pytest.raises(CaseError, match=r'base: "\.\./nowhere" is not another case with criteria\.toml'):
         read_criteria(other)
 
 
@@ -324,7 +324,7 @@ def test_values_that_are_no_numbers(case: Path) -> None:
     points = [replace(runs.points[n], value=value) for n, value in enumerate(values)]
     tables = Runs(tuple(points), runs.vary)
     assert [point.value for point in tables.between(None).points] == values
-    with pytest.raises(Unknown, match="is no number"):
+    with pytest.raises(Unknown, match="is not a number"):
         tables.between((0, 1))
 
 
@@ -481,5 +481,5 @@ def test_wrong_cases_of_a_folder_are_all_said(case: Path, tmp_path: Path) -> Non
     with pytest.raises(CaseError) as caught:
         find_papers(CaseStudy(case.parent))
     assert [str(problem).partition(":")[0] for problem in caught.value.problems] == ["case", "other"]
-    with pytest.raises(CaseError, match="is no case, and has no case with a source"):
+    with pytest.raises(CaseError, match="is not a case, and has no case with a source"):
         find_papers(CaseStudy(tmp_path / "nowhere"))

@@ -199,6 +199,6 @@ def _lay_level(layers: Layers, folder: Path, name: str) -> Level:
     overlay.pop("about", None)
     layers.lay(overlay, source)
     if not isinstance(without, list) or not all(isinstance(word, str) for word in without):
-        what = f"{show_value(without)} is wrong, a list of names is wanted"
+        what = f"must be a list of names, not {show_value(without)}"
         raise CaseError([CaseProblem(("without",), what, file=source, kind="wrong-type")])
     return Level(name, tuple(without), before, dict(layers.merged))

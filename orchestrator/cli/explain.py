@@ -198,9 +198,13 @@ def trial_lines(tried: TriedEffects, asked: Sequence[str]) -> Iterator[str]:
 
 def summary_lines(loaded: JudgedCase, verdicts: list[Judged]) -> Iterator[str]:
     """Yield lines about the effects that the case lacks, and those without which it could do."""
-    lacking = [f"  {row.effect}: {row.verdict.why}; {row.key}" for row in verdicts if row.is_lacking]
+    lacking = [
+        f"  {row.effect}: {'; '.join(filter(None, (row.verdict.why, row.key)))}"
+        for row in verdicts
+        if row.is_lacking
+    ]
     spare = [
-        f"  {row.effect}: {row.verdict.why}; {row.key}; it costs {row.verdict.cost}"
+        f"  {row.effect}: {row.verdict.why}; {row.key}; cost: {row.verdict.cost}"
         for row in verdicts
         if row.is_spare
     ]

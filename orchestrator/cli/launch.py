@@ -342,7 +342,7 @@ def _run_to_the_end(run: Run, loaded: JudgedCase, folder: Path, world: Any, cons
     try:
         return mpi.first_rank_does(world, lambda: _finish(run, loaded, code, status, reason, folder, console))
     except KeyboardInterrupt:
-        _print_and_log(f"stopped at once: what the run leaves at its end is not in {folder}", console)
+        _print_and_log(f"stopped at once: {folder} lacks what a run writes at its end", console)
         return mpi.end_all(world, AT_ONCE)
 
 

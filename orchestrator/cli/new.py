@@ -117,11 +117,13 @@ def _wrong_folder(folder: Path) -> Iterator[CaseProblem]:
 
     if not NAME.fullmatch(folder.name):
         hint = "letters, digits, _, - and dots make a name, at most 60"
-        yield CaseProblem((), f"{str(folder)!r} is no name of a folder", hint, file="NAME", kind="wrong-type")
+        yield CaseProblem(
+            (), f"{str(folder)!r} is not a name of a folder", hint, file="NAME", kind="wrong-type"
+        )
     elif folder.exists() or folder.is_symlink():
         yield CaseProblem((), f"{folder} exists already", "take another name", file="NAME", kind="file")
     elif not (above := next(place for place in folder.absolute().parents if place.exists())).is_dir():
-        yield CaseProblem((), f"{above} is no folder", "take another place", file="NAME", kind="file")
+        yield CaseProblem((), f"{above} is not a folder", "take another place", file="NAME", kind="file")
 
 
 def can_ask() -> bool:

@@ -71,10 +71,10 @@ def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
         if names := effects_to_try(loaded):
             yield (
                 f'effects = "auto" cannot decide about {", ".join(names)}: '
-                "a run begins with short runs with and without each"
+                "the run first makes short runs with and without each"
             )
     if loaded.changed:
-        yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
+        yield f"the level or --set changes the physics: {', '.join(loaded.changed)}"
     if defaults := [*taken_defaults(loaded.layers.merged)]:
         yield "defaults that the case takes:"
         yield from (f"  {line}" for line in defaults)
@@ -166,7 +166,7 @@ def _damping(case: Case) -> Iterator[str]:
         _, fitted = moduli(branches, 2 * np.pi * np.array([p.frequency_Hz for p in law.loss_curve]))
         pairs = zip(fitted, law.loss_curve, strict=True)
         factors = ", ".join(f"{eta:.3g} ({p.loss_factor:g}) at {p.frequency_Hz:g}" for eta, p in pairs)
-        yield f"  damping    {name}: loss factor of {len(branches)} branches (measured): {factors} Hz"
+        yield f"  damping    {name}: loss factor of {len(branches)} Maxwell branches (measured): {factors} Hz"
         yield f"             off by {off.error:.1%} at most, at {off.at_Hz:g} Hz"
 
 
@@ -225,10 +225,10 @@ def _cost(case: Case, at_start: int, rigid: int) -> Iterator[str]:
     time = f"{shortest} to {longest}" if fed else longest
     larger = sorted(ranges[1].items(), key=lambda part: -part[1])
     shares = ", ".join(f"{name} {in_words(s)}" for name, s in larger if s > 0.1 * most)
-    layers = ": a thin dry layer to a thick wet one" if fed else ""
-    yield f"  cost       about {time} of one processor{layers}"
-    yield f"             of which {shares}; pictures apart, compiling the first time, too;"
-    yield "             on a fast core: an older one took 2.6 times as long (docs/measured/cost.md)"
+    layers = ", from a thin dry bed to a thick wet one" if fed else ""
+    yield f"  cost       about {time} of processor time{layers}"
+    yield f"             of which {shares}; without pictures and the compilation of a first run"
+    yield "             on a fast core; an older one took 2.6 times as long (docs/measured/cost.md)"
     if fed:
         few, many = (bed_cost(case, at_start, bed) for bed in (THIN, THICK))
         yield (

@@ -82,7 +82,7 @@ def parse_share(text: str) -> float:
     except ValueError:
         share = 0.0
     if not 0 < share < 1:
-        refuse(f"--tolerance {text}: is no share; for example 5% or 0.05")
+        refuse(f"--tolerance {text}: is not a share; for example 5% or 0.05")
     return share
 
 
@@ -95,5 +95,5 @@ def parse_time_s(text: str) -> float:
     except (ValueError, KeyError):
         time_s = 0.0
     if not 0 < time_s < float("inf"):
-        refuse(f"--budget {text}: is no time; for example 90s, 30min, 1h or 2d")
+        refuse(f"--budget {text}: is not a time; for example 90s, 30min, 1h or 2d")
     return time_s

@@ -298,7 +298,7 @@ def _pilot(request: Request) -> Measured:
     CONSOLE.print(f"a pilot, about {in_words(predicted_s)} ...")
     summary = time_run(request.case, level, sets)
     if why := _why_unusable(request, summary):
-        refuse(f"the pilot is no basis: {why.replace('flipflow resume RUN', command)}")
+        refuse(f"the pilot cannot be used: {why.replace('flipflow resume RUN', command)}")
     return Measured(None, summary, request.name, _value(request, summary))
 
 

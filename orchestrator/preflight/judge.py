@@ -229,7 +229,7 @@ def _unknown_effects(asked: Any) -> Iterator[CaseProblem]:
     """Yield problems of a value that is no list of effects' names, and of laws that exclude each other."""
     if not isinstance(asked, list) or not all(isinstance(word, str) for word in asked):
         yield CaseProblem(
-            KEY, f'{show_value(asked)} is wrong, "auto" or a list of names is wanted', kind="wrong-type"
+            KEY, f'must be "auto" or a list of names, not {show_value(asked)}', kind="wrong-type"
         )
         return
     chosen: dict[str, str] = {}
@@ -258,7 +258,9 @@ def _unavailable_effects(
                 what = f'"{name}" needs "{need}", which is not named'
                 yield CaseProblem(KEY, what, f'name "{need}", too, or neither')
         if not effect.is_described(case):
-            yield CaseProblem(KEY, f'"{name}": the case does not describe it', effect.key)
+            yield CaseProblem(
+                KEY, f'"{name}": the case does not describe it', effect.key and f"set {effect.key}"
+            )
         elif (why := why_left_out(case, name)) and name not in without:
             hint = f'change that, or let the level say without = ["{name}"]'
             yield CaseProblem(KEY, f'"{name}" is left out by {why}', hint)

@@ -27,7 +27,7 @@ def write_level(loaded: JudgedCase, name: str, sets: Sequence[str], about: str) 
     is none or the file exists, and OSError if it cannot be written.
     """
     if not NAME.fullmatch(name):
-        what = f"{show_value(name)} is no name of a level"
+        what = f"{show_value(name)} is not a name of a level"
         raise CaseError(
             [CaseProblem((), what, "letters, digits, - and _", file="--write", kind="wrong-type")]
         )

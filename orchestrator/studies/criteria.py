@@ -186,7 +186,7 @@ def read_criteria(case: Path) -> Criteria:
             for key, words in of_component.items():
                 if (word := getattr(row, key)) not in words:
                     wanted_words = ", ".join(filter(None, words))
-                    what = f'"{word}" is wrong for an amplitude, one of {wanted_words} is wanted'
+                    what = f'must be one of {wanted_words} for an amplitude, not "{word}"'
                     problems.append(
                         CaseProblem(("criteria", number, key), what, file=str(file), kind="wrong-type")
                     )
@@ -228,7 +228,7 @@ def _over_base(criteria: Criteria, folder: Path) -> Criteria:
     """Return criteria with those of their base before them.  Raises CaseError."""
     base = folder / criteria.base
     if not (base / FILE).is_file() or (base / FILE).samefile(folder / FILE):
-        what = f'"{criteria.base}" is no other case with {FILE}'
+        what = f'"{criteria.base}" is not another case with {FILE}'
         raise CaseError(
             [CaseProblem(("base",), what, 'for example "../ffs0827-empty"', str(folder / FILE), kind="file")]
         )
@@ -308,7 +308,7 @@ def _number_in(point: Point) -> float:
     try:
         return float(point.value)
     except ValueError:
-        raise Unknown(f'"{point.value}" is no number') from None
+        raise Unknown(f'"{point.value}" is not a number') from None
 
 
 def wanted_runs(

@@ -60,7 +60,7 @@ def find_papers(study: CaseStudy) -> list[tuple[CaseCriteria, Path]]:
     if problems:
         raise CaseError(problems)
     if not papers:
-        what = f"is no case, and has no case with a source in {FILE}"
+        what = f"is not a case, and has no case with a source in {FILE}"
         raise CaseError([CaseProblem((), what, "docs/criteria.md", str(study.case), kind="file")])
     return papers
 
@@ -92,7 +92,7 @@ def recorded_results(
             continue
         if key not in known:
             hint = did_you_mean(key[1], [what for case, what in known if case == key[0]])
-            problems.append(CaseProblem((*key,), "is no criterion", hint, str(file), kind="unknown-name"))
+            problems.append(CaseProblem((*key,), "is not a criterion", hint, str(file), kind="unknown-name"))
         elif row["unit"] != known[key].unit:
             what = f"is in {row['unit']}, and its criterion in {known[key].unit}"
             problems.append(CaseProblem((*key,), what, file=str(file), kind="unit"))

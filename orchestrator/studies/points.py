@@ -371,9 +371,9 @@ def _range(text: str, values: str) -> tuple[str, ...]:
     try:
         first, last, step = (exact(float(split_quantity(part)[0])) for part in parts)
     except ValueError:
-        raise _wrong(text, "is no range of numbers") from None
+        raise _wrong(text, "is not a range of numbers") from None
     if step == 0 or (last - first) / step < 0 or (last - first) / step >= MOST_VALUES:
-        raise _wrong(text, f"is no range of 1 to {MOST_VALUES} values")
+        raise _wrong(text, f"is not a range of 1 to {MOST_VALUES} values")
     count = int((last - first) / step) + 1
     unit = split_quantity(parts[-1])[1]
     has_unit = unit_of(_last_name(text.partition("=")[0]), "")

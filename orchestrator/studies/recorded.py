@@ -30,7 +30,7 @@ def read_rows(file: Path, columns: Sequence[str], numbers: Sequence[str], page: 
             try:
                 float(row[name] or 0.0)
             except (TypeError, ValueError):
-                what = f'"{row[name]}" is no number'
+                what = f'"{row[name]}" is not a number'
                 problems.append(CaseProblem((number, name), what, file=str(file), kind="wrong-type"))
     if problems:
         raise CaseError(problems)

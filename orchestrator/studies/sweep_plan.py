@@ -153,9 +153,9 @@ def _random_values(text: str, number: int, seed: int | Sequence[int]) -> Vary:
             ends, units = zip(*map(split_quantity, with_one_unit(values.split(":"))), strict=True)
             first, last = map(float, ends)
         except ValueError:
-            raise CaseError([_wrong(text, "is no range of numbers")]) from None
+            raise CaseError([_wrong(text, "is not a range of numbers")]) from None
         if not first < last:
-            raise CaseError([_wrong(text, "is no range: the first number must be the smaller one")])
+            raise CaseError([_wrong(text, "is not a range: the first number must be the smaller one")])
         drawn = generator.uniform(first, last, number)
         return vary_of(
             key, [f"{_rounded(value, first, last)} {units[0]}".strip() for value in drawn.tolist()]

@@ -62,7 +62,11 @@ def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
     assert there is not None
     assert there.table == study()
     deep = "[" * 100_000
-    for text, why in ((json.dumps(study("other")), "other"), ("[]", "is no study"), (deep, "is no study")):
+    for text, why in (
+        (json.dumps(study("other")), "other"),
+        ("[]", "is not a study"),
+        (deep, "is not a study"),
+    ):
         file.write_text(text)
         with pytest.raises(CaseError, match=why):
             find_study(loaded, file)

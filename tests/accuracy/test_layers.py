@@ -84,7 +84,7 @@ def test_a_cell_that_is_no_number_is_named(tmp_path: Path) -> None:
     rows[1][rows[0].index("error")] = "much"
     with table.open("w", encoding="utf-8", newline="") as text:
         csv.writer(text).writerows(rows)
-    with pytest.raises(CaseError, match='"much" is no number'):
+    with pytest.raises(CaseError, match='"much" is not a number'):
         read_marks(table)
 
 

@@ -157,7 +157,7 @@ def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="no such file"):
         find_study(loaded, file)
     older = {key: value for key, value in study().table.items() if key != "format_version"}
-    for table, why in ((study("other").table, "other"), ([], "is no study"), (older, "another version")):
+    for table, why in ((study("other").table, "other"), ([], "is not a study"), (older, "another version")):
         write_json(file, table)
         with pytest.raises(CaseError, match=why):
             find_study(loaded, file)
@@ -185,7 +185,7 @@ def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) 
     with pytest.raises(CaseError, match="exists already"):
         write_level(loaded, "planned", sets, "again")
     for name in ("../../evil", "a/b", "", ".", "a b"):
-        with pytest.raises(CaseError, match="is no name of a level"):
+        with pytest.raises(CaseError, match="is not a name of a level"):
             write_level(loaded, name, sets, "elsewhere")
 
 

@@ -119,7 +119,7 @@ def test_a_seed_that_finds_no_room_is_a_problem_of_the_case(tmp_path: Path) -> N
     stones = ("bed.blocks.coal.count=298", "bed.blocks.coal.shape=stone")
     study = CaseStudy(ROOT / "cases/quickstart", "draft", stones, tmp_path, Crew(1))
     study.check()
-    with pytest.raises(CaseError, match="has room for"):
+    with pytest.raises(CaseError, match="fit in the box"):
         plan_study(StudyRequest(study, ("sync",), 3, 6, 600.0, DECISIVE))
 
 

@@ -113,7 +113,7 @@ def test_a_case_by_bond_number_or_moisture_keeps_the_pull_off_force(tmp_path: Pa
         (warning,) = [
             line for line in warnings(loaded(tmp_path, [*given, *SOFT])) if "pull-off force" in line
         ]
-        assert "0.627 weights of a grain of 20 mm, 3 asked for" in warning
+        assert "0.627 times the weight of a grain of 20 mm, 3 asked for" in warning
         assert any(pull_off.in_words in line for line in overview(loaded(tmp_path, [*given, *SOFT])))
         verdict = EFFECT.judge(scene(case(tmp_path, *given, *SOFT)))
         assert "the pull-off force is 0.627 weights" in verdict.why

@@ -23,7 +23,7 @@ def refusal(folder: Path, level: str | None = None) -> str:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"title = \xff", "case.toml: is no text file (UTF-8 is wanted)"),
+        (b"title = \xff", "case.toml: is not a text file in UTF-8"),
         (b'title = "\0"', "case.toml: is not TOML: "),
         (b"x = 1\n" * 2, "case.toml: is not TOML: Cannot overwrite"),
         (b"seed = " + b"9" * 5000, "case.toml: is not TOML: Exceeds the limit"),

@@ -192,7 +192,7 @@ def test_all_mistakes_in_a_file_are_told(tmp_path: Path) -> None:
         for line in lines
     )
     assert any("line 2: 2 cells instead of 3" in line for line in lines)
-    assert any("line 2: frequency_Hz = 'ten' is no number" in line for line in lines)
+    assert any("line 2: frequency_Hz = 'ten' is not a number" in line for line in lines)
     missing = only_complaint(tmp_path, 'screen.bushings.isolation.curves=[{axes="x", file="none.csv"}]')
     assert "none.csv" in missing
     assert "cannot be read: No such file" in missing

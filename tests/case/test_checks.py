@@ -188,7 +188,7 @@ def test_a_row_of_panels_needs_a_pitch_without_overlap(tmp_path: Path) -> None:
     row = "screen.panels.deck.count=2"
     assert kinds(tmp_path, row, "probes.middle.panel=deck-1") == ["screen.panels.deck.pitch_m: missing"]
     close = complaints(tmp_path, row, "screen.panels.deck.pitch_m=0.3", "probes.middle.panel=deck-2")
-    assert "span and two clamps need 0.34 m" in close[0]
+    assert "at least 0.34 m, which span and two clamps take" in close[0]
     assert not complaints(tmp_path, row, "screen.panels.deck.pitch_m=0.34", "probes.middle.panel=deck-2")
 
 

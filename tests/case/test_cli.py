@@ -36,7 +36,7 @@ def test_check_describes_no_panels_where_there_are_none(tmp_path: Path) -> None:
 def test_mistakes_may_hold_brackets_that_are_no_markup(tmp_path: Path) -> None:
     done = CALL.invoke(app, ["check", str(case_folder(tmp_path)), "--set", "title=['[/bold]']"])
     assert done.exit_code == 2
-    assert "title: ['[/bold]'] is wrong, a valid string is wanted" in done.stderr
+    assert "title: must be a text, not ['[/bold]']" in done.stderr
 
 
 @pytest.mark.parametrize(

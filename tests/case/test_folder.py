@@ -89,7 +89,7 @@ def test_json_is_read_from_files_alone(tmp_path: Path) -> None:
     for name in ("pipe", "cut", "deep", "rather-deep", "bytes"):
         with pytest.raises(UnreadableFile, match=name):
             read_json(tmp_path / name)
-    with pytest.raises(UnreadableFile, match="is no file"):
+    with pytest.raises(UnreadableFile, match="is not a file"):
         read_json(Path("/dev/zero"))
     (tmp_path / "good").write_text('{"a": [1, 2]}')
     assert read_json(tmp_path / "good") == {"a": [1, 2]}
@@ -127,7 +127,7 @@ def test_all_of_an_hdf5_file_lies_in_itself(tmp_path: Path, make: Callable[[h5py
     with pytest.raises(UnreadableFile, match=r"a/b is a link or lies elsewhere"):
         open_hdf5(tmp_path / "foreign.h5")
     os.mkfifo(tmp_path / "pipe.h5")
-    with pytest.raises(UnreadableFile, match="is no file"):
+    with pytest.raises(UnreadableFile, match="is not a file"):
         open_hdf5(tmp_path / "pipe.h5")
 
 

@@ -88,10 +88,10 @@ def test_set_reaches_tables_and_elements_of_lists(tmp_path: Path) -> None:
         ("panel.solver", "is not key=value"),
         ("=3", "is not key=value"),
         ("panel..solver=rigid", "is not key=value"),
-        ("contacts.7.restitution=0.5", '"7" is no element of this list'),
+        ("contacts.7.restitution=0.5", '"7" is not an element of this list'),
         ("contacts.coal.restitution=0.5", "numbered 0 to 1"),
-        ("duration_s=0.1\ntitle=2", "a valid number is wanted"),
-        ("duration_s.x=1", "duration_s: {'x': 1} is wrong"),
+        ("duration_s=0.1\ntitle=2", "must be a number"),
+        ("duration_s.x=1", "duration_s: must be a number, not {'x': 1}"),
     ],
 )
 def test_a_wrong_set_is_a_mistake_of_the_user(tmp_path: Path, override: str, text: str) -> None:

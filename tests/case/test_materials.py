@@ -277,9 +277,9 @@ def test_the_resolved_case_has_all_numbers(tmp_path: Path, monkeypatch: pytest.M
         ("polyurethane 99 Shore A", "its hardness must be from 30 to 95 Shore A"),
         ("limestone 60 Shore A", "only elastomers are named with a hardness"),
         ("moist steel", "only grains are moist"),
-        ("moist polyurethane 85 Shore A", "only grains are moist, and polyurethane is no grain"),
+        ("moist polyurethane 85 Shore A", "only grains are moist, and polyurethane is not a grain"),
         *(
-            (f"polyurethane 85{scale}", 'Shore A or D is wanted, for example "polyurethane 85 Shore A"')
+            (f"polyurethane 85{scale}", 'in Shore A or D, for example "polyurethane 85 Shore A"')
             for scale in (" Shore B", " IRHD", "")
         ),
     ],

@@ -18,7 +18,7 @@ def test_a_file_takes_the_place_of_a_file_only(tmp_path: Path) -> None:
     folder.mkdir()
     file.write_text("old")
     for target in (pipe, folder):
-        with pytest.raises(OSError, match="exists already and is no file"), written_whole(target):
+        with pytest.raises(OSError, match="exists already and is not a file"), written_whole(target):
             pass
     with written_whole(file) as aside:
         aside.write_text("new")
@@ -49,7 +49,7 @@ def test_nothing_beside_a_file_is_followed(tmp_path: Path) -> None:
 def test_a_page_takes_the_place_of_a_page_only(tmp_path: Path) -> None:
     case, page = tmp_path / "case.toml", tmp_path / "page.html"
     case.write_text("title = 'mine'")
-    with pytest.raises(OSError, match="is no page"):
+    with pytest.raises(OSError, match="is not a page"):
         write_page(case, "<html>")
     assert case.read_text() == "title = 'mine'"
     for text in ("<html>", "<html></html>"):

@@ -105,7 +105,7 @@ def test_one_measurement_tells_the_other_factor_where_one_is_known(tmp_path: Pat
     [
         ("slding=0.5", 'no factor "slding"; did you mean "sliding"'),
         ("sliding=0.9", "sliding = 0.9 is not between 0.2 and 0.8"),
-        ("sliding", '"sliding" is no FACTOR=VALUE; as bond=0'),
+        ("sliding", '"sliding" is not FACTOR=VALUE; as bond=0'),
         ("sliding=0.5 rolling=0.2", "all factors are known: nothing is sought"),
     ],
 )

@@ -132,10 +132,10 @@ def turning(*heights_m: float) -> Regime:
 def test_sides_and_turns_after_which_a_motion_repeats_itself() -> None:
     down = turning(*[-0.03] * 12)
     assert (down.side, down.turns_up, down.repeats_after) == ("down", 0, 1)
-    assert "hangs down in all of 12 turns, the same in each, mean peak 30 g (15 g below" in down.in_words
+    assert "hangs down in all of 12 turns, repeats every turn, mean peak 30 g (15 g below" in down.in_words
     other = turning(*[0.03, -0.02] * 6)
     assert (other.side, other.turns_up, other.repeats_after) == ("both", 6, 2)
-    assert "arches up in 6 of 12 turns, the same every 2 turns" in other.in_words
+    assert "arches up in 6 of 12 turns, repeats every 2 turns" in other.in_words
     taut = turning(*[0.005, -0.005] * 6)
     assert (taut.side, taut.turns_up) == ("taut", 0)
     never = turning(*np.linspace(0.01, 0.06, 12))

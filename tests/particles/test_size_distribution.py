@@ -154,7 +154,9 @@ def test_a_sample_has_as_many_particles_as_if_all_had_one_diameter() -> None:
     assert sample is not None
     assert (sample.share, sample.computed) == pytest.approx((0.4, comes - 0.6))
     assert sample.one_in[1] == pytest.approx(one_in)
-    assert sample.in_words.startswith("40.0% of the mass, of 2 to 5 mm, is sampled: one in 4.56 to 49.5 of")
+    assert sample.in_words.startswith(
+        "of the particles of 2 to 5 mm (40.0% of the mass) one in 4.56 to 49.5 is"
+    )
     assert sample_of(feed()) is None
 
 

@@ -56,7 +56,7 @@ def test_a_run_that_contradicts_what_was_left_out_of_it_is_doubtful(
     assert trust.state_at_end(summary) == ("doubtful" if doubtful else "done")
     if doubtful:
         (doubt,) = summary["doubts"]
-        assert "adhesion is left out, and by the run it matters: throw is 0.312" in doubt
+        assert "adhesion is left out, and the run shows that it matters: throw is 0.312" in doubt
 
 
 def test_a_run_without_results_is_incomplete() -> None:

@@ -203,7 +203,7 @@ def test_a_run_that_goes_on_after_that_is_doubtful(tmp_path: Path, solver: str) 
     done = flipflow(*run_words("ball-on-panel", tmp_path / "run", sets))
     assert done.returncode == 5, done.stderr
     assert "do not trust this run: Particles went through the surface 1 times" in done.stderr
-    assert "deepest overlap since the start, of a radius: 1" in done.stderr
+    assert "deepest overlap since the start, over the radius: 1" in done.stderr
     figures = summary(tmp_path / "run")
     assert figures["status"] == "doubtful"
     assert figures["material"]["crossings"]["number"] == 1

@@ -141,7 +141,7 @@ def test_particles_that_outrun_their_step(tmp_path: Path) -> None:
     doubts = left_usable(folder, "doubtful")["doubts"]
     assert any("energy" in doubt for doubt in doubts), doubts
     assert "WARNING: do not trust this run: " in done.stderr
-    assert "warning: coupling.sync_interval_s = 0.005 s: accurate by the usual" in done.stderr
+    assert "warning: coupling.sync_interval_s = 0.005 s: for accuracy, the usual rules" in done.stderr
     assert "sure to be stable: coal of" in done.stderr
 
 

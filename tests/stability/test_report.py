@@ -136,7 +136,9 @@ def test_a_result_carries_that_it_is_stable_and_not_accurate(tmp_path: Path) -> 
     assert report.as_json()["accurate_interval_s"] == limit_s
     assert report.as_json()["inaccurate"] is None
     coarse = replace(report, interval_s=1.1 * limit_s).as_json()
-    assert coarse["inaccurate"].startswith(f"accurate by the usual rules is at most {at_most(limit_s)} s: ")
+    assert coarse["inaccurate"].startswith(
+        f"for accuracy, the usual rules allow at most {at_most(limit_s)} s: "
+    )
     summary: dict[str, Any] = {"simulated_s": 1.0, "sync_intervals": 1, "particles": 0, "stability": coarse}
     summary |= {"energy_ledger_J": {}, "energy_exchanged_J": {}, "momentum_residual_relative": 0.0}
     assert any(coarse["inaccurate"] in line for line in closing_lines(summary))
@@ -166,7 +168,7 @@ def test_a_run_says_which_scheme_it_took(tmp_path: Path) -> None:
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert summary["stability"]["scheme"] == "aitken"
     assert "is above particles-first's" in summary["stability"]["taken_because"]
-    assert "scheme: aitken, taken by the program" in (tmp_path / "run" / "run.log").read_text()
+    assert "scheme: aitken, chosen by the program" in (tmp_path / "run" / "run.log").read_text()
 
 
 def test_no_particles_no_contacts(tmp_path: Path) -> None:
@@ -193,14 +195,14 @@ def test_in_words_and_in_numbers() -> None:
     report = StabilityReport("particles-first", 1.5e-4, bounds, {})
     stability, accuracy = report.warnings()
     assert "1.5 times what is sure to be stable, 0.0001 s: b (two)" in stability
-    assert "accurate by the usual rules is at most 5e-05 s: d (four)" in accuracy
+    assert "for accuracy, the usual rules allow at most 5e-05 s: d (four)" in accuracy
     assert report.as_json() == {
         "scheme": "particles-first",
         "taken_because": None,
         "safe_interval_s": 1e-4,
         "limited_by": "b",
         "accurate_interval_s": 5e-5,
-        "inaccurate": "accurate by the usual rules is at most 5e-05 s: d (four)",
+        "inaccurate": "for accuracy, the usual rules allow at most 5e-05 s: d (four)",
         "advice": "At most coupling.sync_interval_s = 0.0001 s is sure to be stable: b (two).",
         "bounds_s": {"a": 2e-4, "b": 1e-4, "c": None, "d": 5e-5},
     }

@@ -257,7 +257,7 @@ def test_check_writes_a_page_with_its_warnings(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["check", str(case_folder(tmp_path, CASE)), "--html", str(page)])
     assert done.exit_code == 0, done.output
     text = page.read_text()
-    assert "no run-up of exciter" in text
+    assert "has no run-up" in text
     assert "cost" in text
     assert "<svg" in text
     assert "warning: " not in text

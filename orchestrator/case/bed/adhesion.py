@@ -152,7 +152,7 @@ class PullOff:
         one, two = self.between
         asked = "" if math.isclose(self.asked, self.run, rel_tol=0.005) else f", {self.asked:.3g} asked for"
         grain = f"a grain of {1e3 * self.size_m:.3g} mm"
-        return f"pull-off force of {one} and {two}: {self.run:.3g} weights of {grain}{asked}"
+        return f"pull-off force of {one} and {two}: {self.run:.3g} times the weight of {grain}{asked}"
 
 
 def pull_offs(case: Case) -> list[PullOff]:

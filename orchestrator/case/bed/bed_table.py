@@ -101,7 +101,7 @@ def read_table(path: Path, case: Case) -> CarriedBed:
 def _read(path: Path, answers: Answers) -> DataTable:
     """Return the columns of a file.  Raises TableError."""
     if path.exists() and not path.is_file():  # a pipe would be waited for
-        raise TableError("is no file")
+        raise TableError("is not a file")
     kind = path.suffix.lower()
     try:
         if kind == ".parquet":

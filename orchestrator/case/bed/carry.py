@@ -57,7 +57,15 @@ def carry_bed(case: Case, folder: Path) -> Case:
     bed = case.bed
     if not bed.is_carried:
         if bed.from_time_s is not None:
-            raise CaseError([CaseProblem(("bed", "from_time_s"), "has no meaning without bed.from_run")])
+            raise CaseError(
+                [
+                    CaseProblem(
+                        ("bed", "from_time_s"),
+                        "has no effect without bed.from_run",
+                        "add that, or remove this key",
+                    )
+                ]
+            )
         return case
     if bed.from_run is not None and bed.table is not None:
         raise CaseError([CaseProblem(("bed", "table"), "contradicts bed.from_run", "give one of them")])

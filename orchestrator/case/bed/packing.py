@@ -38,8 +38,8 @@ def place_block(block: Block, grain: Grain[float]) -> ParticleList:
     if not placed.all():
         share = np.sum(grains.volume_m3) / np.prod(np.ptp(block.box_m, axis=0))
         raise ValueError(
-            f"the box has room for {placed.sum()} of {block.count} particles: all would fill "
-            f"{share:.0%} of it, random places end at 25 to 35 %; enlarge the box"
+            f"only {placed.sum()} of {block.count} particles fit in the box: all would fill {share:.0%} of "
+            "it, and random packing reaches 25 to 35 %; enlarge the box or lower count"
         )
     return equal_particles(position_m, np.array(block.velocity_m_per_s), grains, orientation)
 

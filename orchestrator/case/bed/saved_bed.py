@@ -102,7 +102,7 @@ def read(path: Path) -> CarriedBed:
                 source=str(path),
             )
     except (OSError, KeyError, ValueError) as error:
-        raise UnreadableBed(f"{path}: is no saved bed ({error})") from None
+        raise UnreadableBed(f"{path}: is not a saved bed ({error})") from None
 
 
 def read_time_s(path: Path) -> float | None:

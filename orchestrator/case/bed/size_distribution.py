@@ -68,8 +68,8 @@ class Sample:
         high_mm = 1e3 * max(row.largest_m for row in self.sizes)
         one_in = " to ".join(dict.fromkeys(f"{number:.3g}" for number in self.one_in))
         return (
-            f"{self.share:.1%} of the mass, of {low_mm:.3g} to {high_mm:.3g} mm, is sampled: one in {one_in} "
-            "of its particles is computed"
+            f"of the particles of {low_mm:.3g} to {high_mm:.3g} mm ({self.share:.1%} of the mass) "
+            f"one in {one_in} is computed"
         )
 
 
@@ -126,7 +126,7 @@ def _faults_of_sample(feed: Feed, largest_m: float) -> Iterator[tuple[str, str, 
     below_m, as_m = feed.sampled_below_m, feed.sampled_as_m
     if below_m is None:
         if as_m is not None:
-            yield "sampled_as_m", "has no meaning without sampled_below_m", "give sampled_below_m, too"
+            yield "sampled_as_m", "has no effect without sampled_below_m", "add that, or remove this key"
         return
     if as_m is not None and as_m < below_m:
         what = f"{as_m:g} m is less than sampled_below_m = {below_m:g} m"
@@ -144,7 +144,7 @@ def _faults_of_curve(points: Sequence[PassingPoint]) -> Iterator[tuple[str, str,
     size_m = [point.sieve_size_m for point in points]
     passing = [point.passing for point in points]
     if len(points) < 2 or not (np.diff(size_m) > 0).all() or not (np.diff(passing) >= 0).all():
-        yield "curve", "is no rising curve of two points or more", "from fine to coarse"
+        yield "curve", "is not a rising curve of two points or more", "from fine to coarse"
     elif passing[0] != 0 or abs(passing[-1] - 1) > 1e-6:
         what = f"goes from {passing[0]:g} to {passing[-1]:g}, not from 0 to 1"
         yield "curve", what, "begin with a size that nothing passes, end with the largest"

@@ -114,7 +114,9 @@ def _contradictions(case: Case) -> Iterator[CaseProblem]:
             hint = f"give {WORK_OF_ADHESION}, bond_number or moisture, and only one of them"
             yield CaseProblem((*key, ways[1]), f"contradicts {ways[0]}", hint)
         elif row.bond_diameter_m is not None and row.bond_number is None:
-            yield CaseProblem((*key, "bond_diameter_m"), "has no meaning without bond_number")
+            yield CaseProblem(
+                (*key, "bond_diameter_m"), "has no effect without bond_number", "add that, or remove this key"
+            )
 
 
 def _resolve(row: Contact, grains: Mapping[str, Grain[float]]) -> Contact:

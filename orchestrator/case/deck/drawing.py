@@ -255,7 +255,7 @@ def _sheet(outlines: list[Array]) -> tuple[tuple[float, float] | None, Array, li
     if area_m2(outline) < RECTANGLE * length_m * width_m:
         what = f"covers {area_m2(outline) / (length_m * width_m):.1%} of its box"
         raise UnreadableDrawing(
-            f"has an outline around all others that is no rectangle along its axes, but {what}: panels are"
+            f"has an outline around all others that is not a rectangle along its axes, but {what}: panels are"
         )
     openings = [at for number, at in enumerate(outlines) if number != widest[0]]
     return (float(length_m), float(width_m)), low_m, openings

@@ -117,7 +117,7 @@ def _ask_for_unit_of_step(file: Path) -> None:
     """Refuse a STEP file that does not say its unit of length."""
     text = file.read_text(errors="replace")
     if not text.lstrip("\ufeff \r\n").startswith("ISO-10303-21"):
-        raise Refused("is no STEP file: it does not begin with ISO-10303-21")
+        raise Refused("is not a STEP file: it does not begin with ISO-10303-21")
     if "END-ISO-10303-21" not in text[-400:]:
         raise Refused("is cut off: it does not end with END-ISO-10303-21")
     if not re.search(r"[^_A-Z]LENGTH_UNIT\s*\(", text):

@@ -143,6 +143,6 @@ def _passing(pattern: AperturePattern, smallest_m: float, largest_m: float) -> s
         return f"none of the {span} can pass"
     who = "all" if largest_m < narrowest.spheres_m[0] else f"those below {limit_m * 1e3:g} mm"
     return (
-        f"of the {span} {who} can pass; falling straight onto the pattern, the smallest does so "
-        f"untouched with probability {straight_passing(pattern, smallest_m):.2g}"
+        f"of the {span} {who} can pass; the smallest, falling straight onto the pattern, does so "
+        f"without contact with probability {straight_passing(pattern, smallest_m):.2g}"
     )

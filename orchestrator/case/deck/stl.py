@@ -63,7 +63,7 @@ def read_file(file: Path) -> Facets:
     if len(normal) == 0:
         raise UnreadableSurface("has no triangles")
     if not np.isfinite(corner_m).all():
-        raise UnreadableSurface("has coordinates that are no numbers")
+        raise UnreadableSurface("has coordinates that are not numbers")
     return Facets(*each_corner_once(corner_m), normal)
 
 
@@ -98,9 +98,9 @@ def _text(file: Path) -> tuple[Array, Array]:
             except (ValueError, IndexError):
                 shown = line[:80].decode(errors="replace").strip()
                 comma = "; write points for decimal commas" if DECIMAL_COMMA.search(line) else ""
-                raise UnreadableSurface(f"is no STL file (line {number}: {shown!r}){comma}") from None
+                raise UnreadableSurface(f"is not an STL file (line {number}: {shown!r}){comma}") from None
     if len(corner_m) != 3 * len(normal):
-        raise UnreadableSurface("is no STL file (its last triangle lacks a corner)")
+        raise UnreadableSurface("is not an STL file (its last triangle lacks a corner)")
     return np.array(normal).reshape(-1, 3), np.array(corner_m).reshape(-1, 3)
 
 
@@ -136,7 +136,7 @@ def find_file(folder: Path, name: str) -> Path:
         if file.stat().st_size > LARGEST_BYTES:
             raise UnreadableSurface(f"is larger than {LARGEST_BYTES} bytes")
     except (OSError, ValueError):  # The name is too long, or it contains a NUL.
-        raise UnreadableSurface("is no name of a file") from None
+        raise UnreadableSurface("is not a name of a file") from None
     return file
 
 

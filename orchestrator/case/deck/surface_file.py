@@ -109,6 +109,6 @@ def _by_library(file: Path, ending: str, tolerance_m: float) -> Facets:
     if len(corners) == 0:
         raise UnreadableSurface("has no triangles")
     if not np.isfinite(corners).all():
-        raise UnreadableSurface("has coordinates that are no numbers")
+        raise UnreadableSurface("has coordinates that are not numbers")
     position, triangles = each_corner_once(corners.reshape(-1, 3))
     return Facets(position, triangles, np.zeros((len(triangles), 3)))

@@ -154,12 +154,12 @@ def _base_folder(base: Any, folder: Path, source: str) -> Path:
     """Return the folder of a base that the case.toml in a folder names.  Raises CaseError."""
     hint = f'for example {BASE} = "../ffs0827-empty"'
     if not isinstance(base, str) or not base.isprintable() or Path(base).is_absolute():
-        what = f"{show_value(base)} is wrong, the folder of another case, seen from this one, is wanted"
+        what = f"must be the folder of another case, seen from this one, not {show_value(base)}"
         raise CaseError([CaseProblem((BASE,), what, hint, source, kind="wrong-type")])
     found = (folder / base).resolve()
     if not (found / CASE_FILE).is_file():
         beside = sorted(each.parent.name for each in found.parent.glob(f"*/{CASE_FILE}"))
         hint = did_you_mean(found.name, beside, say="cases there") if beside else hint
-        what = f"{show_value(base)} is no case: there is no {CASE_FILE}"
+        what = f"{show_value(base)} is not a case: there is no {CASE_FILE}"
         raise CaseError([CaseProblem((BASE,), what, hint, source, kind="file")])
     return found

@@ -334,7 +334,7 @@ def _misfits(
         elif (off := compare_with_points(curve)).stiffness_error > WORST or off.loss_error > WORST_LOSS:
             errors = f"stiffness off by {off.stiffness_error:.0%}, loss factor by {off.loss_error:.0%}"
             if before.elastic_N_per_m is not None:
-                what = f"its elements do not meet its points: {errors}"
+                what = f"its elements do not fit its points: {errors}"
                 hint = "leave out elastic_N_per_m, friction and maxwell, which are then fitted anew"
             elif rising := _rising_N_per_m(before):
                 small, large = rising
@@ -344,7 +344,7 @@ def _misfits(
                     "deformation as characteristics"
                 )
             else:
-                what = f"no spring with friction and Maxwell elements meets it: {errors}"
+                what = f"no spring with friction and Maxwell elements fits it: {errors}"
                 hint = (
                     "such a spring's stiffness falls with the amplitude and rises with the frequency; smooth "
                     "the points"

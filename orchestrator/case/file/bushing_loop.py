@@ -177,7 +177,7 @@ def fit_loop(time_s: Array, displacement_m: Array, force_N: Array) -> Loop:
         raise TableError(f"has {frequency_Hz * length_s:.2f} of a cycle, and a loop needs a whole one")
     if (off := rest(frequency_Hz)) > OFF_HARMONIC:
         raise TableError(
-            f"its displacement is no harmonic motion: {off:.0%} of it is left at {frequency_Hz:.4g} Hz"
+            f"its displacement is not harmonic motion: {off:.0%} of it is left at {frequency_Hz:.4g} Hz"
         )
     columns = motion(frequency_Hz)
     cosine_m, sine_m, mean_m = np.linalg.lstsq(columns, displacement_m, rcond=None)[0]

@@ -25,7 +25,7 @@ def read_data_file(folder: Path, name: str, key: Key, source: str) -> str:
         raise CaseError([CaseProblem(key, what, file=source, kind="file")])
     try:
         if file.exists() and not file.is_file():  # a pipe would be waited for
-            raise CaseError([CaseProblem(key, "is no file", file=name, kind="file")])
+            raise CaseError([CaseProblem(key, "is not a file", file=name, kind="file")])
         if file.stat().st_size > LARGEST_BYTES:
             raise CaseError(
                 [CaseProblem(key, f"is larger than {LARGEST_BYTES} bytes", file=name, kind="file")]

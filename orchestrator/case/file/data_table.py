@@ -126,7 +126,7 @@ class Column:
     def _no_number(self, row: int) -> str:
         cell = self.texts[row]
         return (
-            f"line {self.lines[row]}: {self.head} = {show_value(cell)} is no number"
+            f"line {self.lines[row]}: {self.head} = {show_value(cell)} is not a number"
             if cell
             else (f"line {self.lines[row]}: {self.head} is empty")
         )
@@ -211,7 +211,7 @@ def decode(data: bytes) -> str:
             continue
         if not NO_TEXT.search(text):
             return text
-    raise TableError("is no text")
+    raise TableError("is not text")
 
 
 def plain_unit(text: str) -> str:

@@ -57,15 +57,17 @@ def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
     key: Key = ("screen", "decks", name)
     segments, counts = len(deck.slopes_deg), deck.panels_per_slope
     if counts and (len(counts) != segments or sum(counts) != deck.panels):
-        what = f"{list(counts)} is not one number for each of {segments} slopes, {deck.panels} panels in all"
-        yield CaseProblem((*key, "panels_per_slope"), what, kind="wrong-type")
+        numbers = f"{len(counts)} numbers that add up to {sum(counts)}"
+        what = f"{numbers}, for {segments} slopes and {deck.panels} panels"
+        hint = "give one number for each slope, which add up to the panels"
+        yield CaseProblem((*key, "panels_per_slope"), what, hint, kind="wrong-type")
     elif not counts and segments and deck.panels % segments:
-        what = f"{segments} segments do not divide {deck.panels} panels"
+        what = f"{deck.panels} panels cannot be shared equally among {segments} slopes"
         whole = [
             count * segments for count in (deck.panels // segments, deck.panels // segments + 1) if count
         ]
         hint = "give panels_per_slope, or take " + " or ".join(map(str, whole))
-        yield CaseProblem((*key, "panels"), what, f"{hint} panels of a pitch that keeps the length")
+        yield CaseProblem((*key, "panels"), what, f"{hint} panels, with a pitch that keeps the length")
     if len(deck.tension_m) not in (1, deck.panels):
         what = f"{len(deck.tension_m)} values for {deck.panels} panels"
         yield CaseProblem((*key, "tension_m"), what, "give one for all, or one for each", kind="wrong-type")
@@ -75,12 +77,12 @@ def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
         if abs(strain) > LARGEST_STRAIN:
             what = f"{tension_m:g} m on {deck.length_m:g} m is a strain of {strain:.3g}"
             limit_m = LARGEST_STRAIN * deck.length_m
-            hint = f"at most {LARGEST_STRAIN:g}, which is {limit_m:.3g} m, taut or slack"
+            hint = f"at most {LARGEST_STRAIN:g} ({limit_m:.3g} m) is possible, taut or slack"
             yield CaseProblem((*key, "tension_m"), what, hint, kind="out-of-range")
     needed_m = mounted_m(deck)
     if pitch_m(deck) < needed_m - 1e-12:
-        what = f"{pitch_m(deck):g} m lets neighbours overlap"
-        hint = f"length, tension and two clamps need {needed_m:g} m"
+        what = f"with {pitch_m(deck):g} m neighbouring panels overlap"
+        hint = f"give at least {needed_m:g} m, which length, tension and two clamps take"
         yield CaseProblem((*key, "pitch_m"), what, hint, kind="misplaced")
 
 

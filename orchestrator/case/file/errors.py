@@ -38,6 +38,14 @@ OTHER_WORDS = {"diameter_m": "sieve_size_m"}
 """Keys of other programs, and those that mean the same here."""
 REFUSED = "refused"
 """The kind of an error whose message says all that is wrong."""
+PLAIN = (
+    ("a valid integer", "a whole number"),
+    ("a valid string", "a text"),
+    ("a valid ", "a "),
+    ("greater than or equal to", "at least"),
+    ("less than or equal to", "at most"),
+)
+"""Words of pydantic, and plainer ones."""
 MOST = 50  # A message shows at most so many problems.
 OTHER_WAY = "it belongs to another way of giving this table: give all of one way"
 LONGEST = 600  # The line about a problem has at most so many characters.
@@ -177,6 +185,8 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
         return CaseProblem(
             key, f"{value} has more than {detail['ctx']['max_length']} values", kind="wrong-type"
         )
+    if kind == "too_short":
+        return CaseProblem(key, f"needs {detail['ctx']['min_length']} or more", kind="wrong-type")
     if key and key[-1] == "[key]":
         return CaseProblem(
             key[:-1], "a name is made of letters, digits, _ and -, at most 60", kind="wrong-type"
@@ -189,9 +199,8 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
     if kind == "literal_error":
         allowed = [word.strip("' ") for word in expected.replace(" or ", ",").split(",")]
         word = detail["input"] if isinstance(detail["input"], str) else ""
-        return CaseProblem(
-            key, f"{value} is not one of {expected}", did_you_mean(word, allowed), kind="unknown-name"
-        )
+        hint = did_you_mean(word, allowed) if _nearest(word, allowed) else ""
+        return CaseProblem(key, f"{value} is not one of {expected}", hint, kind="unknown-name")
     if isinstance(detail["input"], str) and (why := why_refused(detail["input"], key)):
         return CaseProblem(key, f"{value} {why}", kind="unit")
     if kind == "model_type":
@@ -205,11 +214,10 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
                 "give all of it",
                 kind="wrong-type",
             )
-    return CaseProblem(
-        key,
-        f"{value} is wrong, {expected} is wanted",
-        kind="out-of-range" if kind in BEYOND else "wrong-type",
-    )
+    for words, plain in PLAIN:
+        expected = expected.replace(words, plain)
+    what = f"must be {expected}, not {value}"
+    return CaseProblem(key, what, kind="out-of-range" if kind in BEYOND else "wrong-type")
 
 
 def _keys_at(model: type[BaseModel], table: Sequence[str | int]) -> list[str]:

@@ -53,7 +53,7 @@ def admit(folder: Path) -> Path:
             what = (
                 f"more than {MOST_ENTRIES} files" if entries > MOST_ENTRIES else f"{depth} folders in another"
             )
-            raise FolderUnusable(f"{folder}: holds {what}; it is no folder of a run or study")
+            raise FolderUnusable(f"{folder}: holds {what}; it is not a folder of a run or study")
     if foreign:
         more = [f"  and {len(foreign) - SHOWN} more"] if len(foreign) > SHOWN else []
         raise FolderUnusable(
@@ -78,12 +78,12 @@ def read_json(file: Path) -> Any:
     try:
         with open(os.open(file, os.O_RDONLY | os.O_NONBLOCK), encoding="utf-8") as opened:
             if not stat.S_ISREG(os.fstat(opened.fileno()).st_mode):
-                raise UnreadableFile(f"{file}: is no file")
+                raise UnreadableFile(f"{file}: is not a file")
             content = json.load(opened)
     except UnreadableFile:
         raise
     except ValueError as error:
-        raise UnreadableFile(f"{file}: is no JSON: {error}") from None
+        raise UnreadableFile(f"{file}: is not JSON: {error}") from None
     except RecursionError:
         raise UnreadableFile(f"{file}: {TOO_DEEP}") from None
     if is_too_deep(content):
@@ -99,7 +99,7 @@ def open_hdf5(file: Path) -> Any:
     import h5py  # It is imported here because most commands open no such file.
 
     if file.exists() and not file.is_file():
-        raise UnreadableFile(f"{file}: is no file")
+        raise UnreadableFile(f"{file}: is not a file")
     opened = h5py.File(file)
 
     def is_elsewhere(name: bytes, link: Any) -> bytes | None:

@@ -36,7 +36,7 @@ def read_toml(file: Path, within: Path | None = None) -> dict[str, Any]:
         if within is not None and is_outside(file, within):
             what = "is a link to a file outside of the case's folder"
         elif file.exists() and not file.is_file():
-            what = "is no file"
+            what = "is not a file"
         else:
             with file.open("rb") as opened:
                 content = opened.read(LARGEST_BYTES + 1)
@@ -50,7 +50,7 @@ def read_toml(file: Path, within: Path | None = None) -> dict[str, Any]:
     except OSError as error:
         what = f"cannot be read: {error.strerror}"
     except UnicodeDecodeError:
-        what = "is no text file (UTF-8 is wanted)"
+        what = "is not a text file in UTF-8"
     except ValueError as error:
         what, hint = f"is not TOML: {error}", _hint_at(text, str(error))
     except RecursionError:
@@ -202,7 +202,7 @@ def _number(word: str, below: Sequence[Any], key: Key, source: str) -> int:
     """Return the number of an element of the list ``below``.  Raises CaseError if it has no such element."""
     if word.isdecimal() and int(word) < len(below):
         return int(word)
-    what = f'"{word}" is no element of this list'
+    what = f'"{word}" is not an element of this list'
     hint = f"its elements are numbered 0 to {len(below) - 1}" if below else "it is empty"
     raise CaseError([CaseProblem((*key, word), what, hint, source, kind="unknown-name")])
 

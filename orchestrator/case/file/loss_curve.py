@@ -172,7 +172,7 @@ def _stale_branches(name: str, law: Hyperelastic) -> Iterator[CaseProblem]:
     """Yield a problem if the branches that a material gives do not meet its loss curve."""
     off = compare_with_curve(tuple((row.ratio, row.relaxation_s) for row in law.maxwell), curve_points(law))
     if off.error > WORST:
-        what = f"its Maxwell branches do not meet it: off by {off.error:.0%} at {off.at_Hz:g} Hz"
+        what = f"its Maxwell branches do not fit it: off by {off.error:.0%} at {off.at_Hz:g} Hz"
         yield CaseProblem(_key(name), what, "leave out maxwell, which is then fitted anew")
 
 
@@ -180,7 +180,7 @@ def _misfits(name: str, fit: Fit) -> Iterator[CaseProblem]:
     """Yield a problem if the best fit does not meet a material's loss curve."""
     if fit.error > WORST:
         what = (
-            f"no {MOST_BRANCHES} Maxwell branches meet it: the best are off by {fit.error:.0%} "
+            f"no {MOST_BRANCHES} Maxwell branches fit it: the best are off by {fit.error:.0%} "
             f"at {fit.at_Hz:g} Hz"
         )
         hint = "their loss factor rises and falls no faster than the frequency; smooth the curve"

@@ -46,7 +46,7 @@ def read_dump(text: str) -> DataTable:
     last = parts[begins[-1] :] if begins else []
     frame = {re.match(r"[A-Z ]*", part)[0].strip(): part for part in last}  # type: ignore[index]
     if missing := [name for name in ("NUMBER OF ATOMS", "ATOMS") if name not in frame]:
-        raise TableError(f"is no whole dump of particles: there is no ITEM: {missing[0]}")
+        raise TableError(f"is not a whole dump of particles: there is no ITEM: {missing[0]}")
     names = frame["ATOMS"].split("\n", 1)[0].split()[1:]
     before = sum(part.count("\n") for part in parts[: parts.index(frame["ATOMS"])]) + 1
     rows = [
@@ -54,12 +54,12 @@ def read_dump(text: str) -> DataTable:
     ]
     told = frame["NUMBER OF ATOMS"].split()[-1]
     if told != str(len(rows)):
-        raise TableError(f"is no whole dump: it has {len(rows)} of {told} particles in its last time step")
+        raise TableError(f"is not a whole dump: it has {len(rows)} of {told} particles in its last time step")
     units = next((part.split()[-1] for part in parts if part.startswith("UNITS")), "si")
     if units not in ("si", "cgs"):
         raise TableError(f'is in the units "{units}", and those of "si" or "cgs" are wanted')
     if SHAPED & {*names}:
-        raise TableError("has particles that are no spheres, and spheres are wanted")
+        raise TableError("has particles that are not spheres; give spheres")
     columns = _columns(names, rows, CGS if units == "cgs" else {})
     step = frame["TIMESTEP"].split()[-1]
     note = f"the last of {len(begins)} time steps, {step}" if len(begins) > 1 else ""
@@ -75,7 +75,7 @@ def _unscaled(columns: Sequence[Column], frame: dict[str, str]) -> tuple[Column,
     try:
         low, high = np.array([[float(cell) for cell in row] for row in rows]).reshape(3, 2).T
     except ValueError:
-        raise TableError("has scaled places (xs, ys, zs) in a box that is no cuboid") from None
+        raise TableError("has scaled places (xs, ys, zs) in a box that is not a cuboid") from None
     return tuple(
         Column(
             column.head,

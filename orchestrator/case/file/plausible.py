@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from orchestrator.case.file.errors import CaseProblem, Key, dotted_key
 from orchestrator.case.file.nested import leaves
 from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.quantities import unit_of
 
 Limits = tuple[float, float]
 ABSURD = 1e3
@@ -108,7 +109,7 @@ def wrong_sizes(case: Case) -> Iterator[CaseProblem]:
     """Yield a problem for each value that must be a mistake, with the unit that it looks like."""
     for key, value, limits, hint, refused in _outside(case):
         if refused:
-            what = f"{value:g} is out of the range {_range(limits)}"
+            what = f"{value:g} is out of the range {_range(limits)}{_in_unit(key)}"
             yield CaseProblem(key, what, hint, guesses_unit=bool(hint), kind="out-of-range")
 
 
@@ -116,7 +117,8 @@ def unusual_sizes(case: Case) -> Iterator[str]:
     """Yield a warning for each value that is out of its key's range but may be intended."""
     for key, value, limits, _, refused in _outside(case):
         if not refused:
-            yield f"{dotted_key(key)}: {value:g} is out of the usual range {_range(limits)}; taken as meant"
+            usual = f"{_range(limits)}{_in_unit(key)}"
+            yield f"{dotted_key(key)}: {value:g} is out of the usual range {usual}; taken as meant"
 
 
 def _outside(case: Case) -> Iterator[tuple[Key, float, Limits, str, bool]]:
@@ -142,10 +144,16 @@ def _range(limits: Limits) -> str:
     return f"{low:g} to {high:g}" if low else f"up to {high:g}"
 
 
+def _in_unit(key: Key) -> str:
+    """Return the unit of a key after a blank; "" for a key without one."""
+    unit = unit_of(next(part for part in reversed(key) if isinstance(part, str)), "")
+    return f" {unit}" if unit else ""
+
+
 def _hint(name: str, value: float, limits: Limits) -> str:
     """Return a hint at the unit in which a value would be within its range; "" if there is none."""
     unit = max((unit for unit in MISTAKEN if name.endswith(unit)), key=len, default="")
     for other, factor in MISTAKEN.get(unit, {}).items():
         if _inside(value * factor, limits):
-            return f"looks like {other}: that is {value * factor:g} in {name}"
+            return f"looks like {other}: if so, write {value * factor:g}"
     return ""

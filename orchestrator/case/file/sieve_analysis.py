@@ -240,9 +240,9 @@ def _opening_m(text: str, column: Column, line: int) -> float:
         sieve_size_m = parse_quantity(given, "sieve_size_m")
     except ValueError:
         hint = 'such as "63 µm", "No. 4" or "1/2 in"'
-        raise TableError(f"line {line}: {show_value(text)} is no sieve, {hint}") from None
+        raise TableError(f"line {line}: {show_value(text)} is not a sieve, {hint}") from None
     if not 0 < sieve_size_m < math.inf:
-        raise TableError(f"line {line}: {show_value(text)} is no opening of a sieve")
+        raise TableError(f"line {line}: {show_value(text)} is not an opening of a sieve")
     return sieve_size_m
 
 

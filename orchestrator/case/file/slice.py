@@ -226,7 +226,8 @@ def _in_periodic(case: Case) -> list[CaseProblem]:
         hint = f'take "walls", or particles.solver = {others}'
         problems.append(CaseProblem(("slice", "sides"), what, hint, kind="solver"))
     if case.gravity_m_per_s2[1] != 0:
-        problems.append(CaseProblem(("gravity_m_per_s2",), "pulls along y, across periodic sides"))
+        what, hint = "acts along y, across the periodic sides", 'set its y to 0, or slice.sides = "walls"'
+        problems.append(CaseProblem(("gravity_m_per_s2",), what, hint))
     return problems
 
 

@@ -112,7 +112,7 @@ def parse_quantity(text: str, key: str) -> float:
     try:
         number = Decimal(match[1])
     except ArithmeticError:
-        raise ValueError("is no number that can be computed with") from None
+        raise ValueError("is not a number that can be computed with") from None
     try:
         given = _unit(match[2])
     except ValueError:
@@ -177,9 +177,9 @@ def _wanted(key: str) -> str:
     """Return a message about the kind of quantity that a key wants."""
     own = unit_of(key)
     if own not in KINDS:  # that of a key which no table has
-        return f"{own} is wanted"
+        return f"give it in {own}"
     kind, example = KINDS[own]
-    return f'{kind} is wanted, such as "{example}"'
+    return f'give {kind}, such as "{example}"'
 
 
 def _nearest(text: str, own: Unit) -> str:

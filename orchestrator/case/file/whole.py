@@ -20,7 +20,7 @@ def written_whole(file: Path) -> Iterator[Path]:
     OSError where ``file`` is a device, a pipe or a folder.
     """
     if file.exists() and not file.is_file():
-        raise OSError(errno.EEXIST, "exists already and is no file", str(file))
+        raise OSError(errno.EEXIST, "exists already and is not a file", str(file))
     aside = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
     try:
         os.close(os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666))

@@ -201,11 +201,11 @@ def find(name: str) -> NamedMaterial:
     material = next((row for row in materials().values() if base in (row.name, *row.also)), None)
     if material is None:
         if elastomer := _named_with_another_hardness(base or ""):
-            what = "a hardness of Shore A or D is wanted"
+            what = "give a hardness in Shore A or D"
             raise UnknownMaterial(f'{what}, for example "{elastomer} 85 Shore A"')
         raise UnknownMaterial
     if moisture and material.kind != "grains":
-        raise UnknownMaterial(f"only grains are {moisture}, and {base} is no grain")
+        raise UnknownMaterial(f"only grains are {moisture}, and {base} is not a grain")
     if material.kind == "elastomer":
         if not number:
             raise UnknownMaterial(f'give its hardness, for example "{base} 85 Shore A"')

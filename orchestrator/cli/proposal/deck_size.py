@@ -70,7 +70,7 @@ def too_small_deck(wishes: Wishes) -> Iterator[CaseProblem]:
     enough = f"{down(3.6 * wishes.throughput_kg_per_s * deck_m2 / needed_m2):g} t/h"
     yield problem(
         "throughput",
-        f"the deck of {deck_m2:.3g} m2 is far too small: {3.6 * wishes.throughput_kg_per_s:.4g} t/h want "
+        f"the deck of {deck_m2:.3g} m2 is far too small: {3.6 * wishes.throughput_kg_per_s:.4g} t/h need "
         f"{needed_m2:.3g} m2 for {EFFICIENCY:.0%} of the fines by the factors of VSMA ({RULE})",
         f"{hint}, a larger --width or at most {enough}",
     )

@@ -27,9 +27,10 @@ def find_impossible(wishes: Wishes) -> Iterator[CaseProblem]:
     if panel_m < SHORTEST_PANEL_M - 1e-9:
         need_m = up(wishes.panels * (SHORTEST_PANEL_M + AROUND_M))
         panels = "1 panel" if wishes.panels == 1 else f"{wishes.panels} panels"
-        what = f"{panels} and their clamps find no room on {wishes.length_m:g} m"
-        fewer = ", or take fewer --panels" if wishes.panels > 1 else ""
-        yield problem("length", what, f"at least {need_m:g} m are needed{fewer}")
+        their = "its clamps do" if wishes.panels == 1 else "their clamps do"
+        what = f"{panels} and {their} not fit in {wishes.length_m:g} m"
+        fewer = ", or fewer --panels" if wishes.panels > 1 else ""
+        yield problem("length", what, f"give at least {need_m:g} m{fewer}")
     else:
         yield from _openings(wishes, panel_m)
         if wishes.has_material:
@@ -38,7 +39,7 @@ def find_impossible(wishes: Wishes) -> Iterator[CaseProblem]:
         if strain > LARGEST_STRAIN:
             what = f"stretches panels of {1e3 * panel_m:.3g} mm by {strain:.1%}"
             largest_mm = down(1e3 * LARGEST_STRAIN * panel_m)
-            yield problem("stroke", what, f"up to {largest_mm:g} mm, or take longer panels: --length")
+            yield problem("stroke", what, f"give at most {largest_mm:g} mm, or longer panels (--length)")
     yield from _shaking(wishes)
     if wishes.has_material:
         yield from _separation(wishes)
@@ -48,9 +49,10 @@ def find_impossible(wishes: Wishes) -> Iterator[CaseProblem]:
         if wishes.throughput_kg_per_s > largest_kg_per_s:
             depth_m = wishes.throughput_kg_per_s / largest_kg_per_s * DEEPEST_BED_M
             what = (
-                f"{3.6 * wishes.throughput_kg_per_s:.4g} t/h lie {depth_m:.2g} m deep on {wishes.width_m:g} m"
+                f"at {3.6 * wishes.throughput_kg_per_s:.4g} t/h the bed is {depth_m:.2g} m deep on a deck "
+                f"{wishes.width_m:g} m wide"
             )
-            hint = f"this width carries {down(3.6 * largest_kg_per_s):g} t/h, or take a wider deck"
+            hint = f"give at most {down(3.6 * largest_kg_per_s):g} t/h, or a larger --width"
             yield problem("throughput", what, hint)
 
 
@@ -80,10 +82,10 @@ def _openings(wishes: Wishes, panel_m: float) -> Iterator[CaseProblem]:
     for option, where, room_m, size_m, pitch_m in directions:
         fitting = int(room_m / pitch_m + 1e-6)
         if fitting < FEWEST_OPENINGS:
-            found = ("no opening finds", "only 1 opening finds", "only 2 openings find")[max(0, fitting)]
-            room = f"{where} a panel, on {1e3 * max(0.0, room_m):.4g} mm between its margins"
-            what = f"{1e3 * size_m:.4g} mm: {found} room {room}"
-            yield problem(option, what, f"at least {FEWEST_OPENINGS} in a row are wanted")
+            found = ("no opening fits", "only 1 opening fits", "only 2 openings fit")[max(0, fitting)]
+            room = f"{where} a panel, in the {1e3 * max(0.0, room_m):.4g} mm between its margins"
+            what = f"{1e3 * size_m:.4g} mm: {found} {room}"
+            yield problem(option, what, f"at least {FEWEST_OPENINGS} in a row are needed")
 
 
 def _shaking(wishes: Wishes) -> Iterator[CaseProblem]:
@@ -94,8 +96,8 @@ def _shaking(wishes: Wishes) -> Iterator[CaseProblem]:
     largest_m = LARGEST_SHAKE_G * STANDARD_GRAVITY_M_PER_S2 / wishes.speed_rad_per_s**2 / share
     if wishes.stroke_m > largest_m:
         shake_g = LARGEST_SHAKE_G * wishes.stroke_m / largest_m
-        what = f"{1e3 * wishes.stroke_m:.3g} mm at this speed shake the driven frame with {shake_g:.2g} g"
-        yield problem("stroke", what, f"up to {down(1e3 * largest_m):g} mm, or take a lower --speed")
+        what = f"{1e3 * wishes.stroke_m:.3g} mm at this speed accelerate the driven frame to {shake_g:.2g} g"
+        yield problem("stroke", what, f"give at most {down(1e3 * largest_m):g} mm, or a lower --speed")
 
 
 def too_stiff_panels(layout: Layout, panels_N_per_m: float) -> Iterator[CaseProblem]:

@@ -107,16 +107,16 @@ def _all_hang(regimes: Iterable[Regime]) -> bool:
 def no_hanging_mats(wishes: Wishes, moved: Scene) -> Iterator[CaseProblem]:
     """Yield the problem of a stroke and a speed at which no mat hangs, with a stroke at which one does."""
     at = f"{1e3 * wishes.stroke_m:.3g} mm and {30 / math.pi * wishes.speed_rad_per_s:.0f} rpm"
-    what = f"no mat that was tried hangs down in every turn at {at}"
+    what = f"at {at}, none of the mats that were tried hangs down in every turn"
     trials = [trial for _, trial in trials_of(moved)]
     for share in SMALLER_STROKES:
         both = [Shares(stroke=share), SOFT._replace(stroke=share)]
         found = _try(trials, _mountings(trials), both, FIRST_CELLS, FIRST_TURNS)
         if any(_all_hang(itertools.chain(*beside)) for beside in found):
-            hint = f"some do up to {down(1e3 * share * wishes.stroke_m):g} mm, or take a lower --speed"
+            hint = f"give at most {down(1e3 * share * wishes.stroke_m):g} mm, or a lower --speed"
             yield problem("stroke", what, hint)
             return
-    yield problem("stroke", what, "take a smaller stroke or a lower --speed")
+    yield problem("stroke", what, "give a smaller --stroke or a lower --speed")
 
 
 def _off_g(regimes: Sequence[Regime]) -> float:

@@ -45,7 +45,7 @@ def _remarks(proposal: Proposal) -> Iterator[str]:
     )
     if (needed_m2 := needed_m2_of(wishes)) is not None:
         yield (
-            f"area: {deck_m2_of(wishes):.3g} m2 between the clamps; the factors of VSMA want "
+            f"area: {deck_m2_of(wishes):.3g} m2 between the clamps; the factors of VSMA require "
             f"{needed_m2:.3g} m2 for {EFFICIENCY:.0%} of the fines ({RULE})"
         )
     if layout.slopes_deg:
@@ -70,30 +70,30 @@ def _mats(chosen: Choice) -> Iterator[str]:
     ways = "; the next one ".join(regime.in_words for regime in chosen.regimes)
     yield (
         f"mats: {1e3 * mounting.thickness_m:.3g} mm thick, clamps that point down by "
-        f"{mounting.clamp_angle_deg:g} degrees, {1e3 * mounting.slack_m:.3g} mm of slack; empty, a mat "
+        f"{mounting.clamp_angle_deg:g} degrees, {1e3 * mounting.slack_m:.3g} mm of slack; an empty mat "
         f"{ways}"
     )
     if not chosen.has_room:
         yield (
-            "doubtful: with a stroke 10 % or a speed 5 % beside the wanted one, softer mats or another loss "
-            "factor, the mats arch up in some turns"
+            "doubtful: the mats arch up in some turns if the stroke is 10 % or the speed 5 % off, the "
+            "mats are softer, or their loss factor differs"
         )
     peaks_g = [regime.mean_peak_g for regime in chosen.regimes]
     if min(peaks_g) < 0.8 * LEAST_G or max(peaks_g) > 1.2 * MOST_G:
         usual = f"{LEAST_G:g} to {MOST_G:g} g are usual"
         flip = " and ".join(f"{peak_g:.3g}" for peak_g in peaks_g)
-        yield f"doubtful: the mats flip with {flip} g; {usual}, and another stroke may help"
+        yield f"doubtful: the mats flip with {flip} g, and {usual}; try another --stroke"
 
 
 def _doubts_about_the_deck(wishes: Wishes, layout: Layout) -> Iterator[str]:
     """Yield doubts about the panels' stretch and length and about the slopes."""
     least, most = USUAL_STRAINS
     if layout.stretch > most:
-        yield f"doubtful: panels are seldom stretched by more than {most:.0%}; longer panels help (--length)"
+        yield f"doubtful: panels are seldom stretched by more than {most:.0%}; take longer ones (--length)"
     if wishes.stroke_m < least * layout.panel_m:
-        yield f"doubtful: panels stretched by less than {least:.1%} hardly throw; a larger stroke helps"
+        yield f"doubtful: panels stretched by less than {least:.1%} hardly throw; take a larger --stroke"
     if wishes.length_m is not None and layout.panel_m > LONGEST_PANEL_M:
-        yield f"doubtful: panels are seldom longer than {1e3 * LONGEST_PANEL_M:g} mm; more panels help"
+        yield f"doubtful: panels are seldom longer than {1e3 * LONGEST_PANEL_M:g} mm; take more --panels"
     if wishes.template == "test-rig":
         return
     flattest_deg, steepest_deg = USUAL_SLOPES_DEG
@@ -115,33 +115,33 @@ def _machine(proposal: Proposal) -> Iterator[str]:
         for name in ("driving", "driven")
     }
     amplitudes_m = {name: along_m for name, (along_m, _) in sizes_m.items()}
-    moved = " and ".join(
-        f"the {name} frame by {1e3 * along_m:.2g} mm along the deck and {1e3 * normal_m:.2g} mm normal to it"
+    moved = ", ".join(
+        f"{name} {1e3 * along_m:.2g} and {1e3 * normal_m:.2g} mm"
         for name, (along_m, normal_m) in sizes_m.items()
     )
     yield (
         f"frames: {machine.driving.mass_kg:g} kg (driving) and {machine.driven.mass_kg:g} kg (driven), "
-        f"unbalance {machine.mass_moment_kg_m:g} kg m; it moves {moved}"
+        f"unbalance {machine.mass_moment_kg_m:g} kg m; amplitudes along the deck and normal to it: {moved}"
     )
     if machine.is_heavy:
         yield (
             f"doubtful: frames heavier than usual, {machine.driven.mass_kg:g} instead of "
             f"{round_to(machine.usual_driven_kg, 3):g} kg (driven): the panels are so stiff for this speed "
-            "that lighter frames would need no bushings; longer or thinner panels, or a higher speed, help"
+            "that lighter frames would need no bushings; take longer or thinner panels, or a higher --speed"
         )
     held_N_per_m = panels_N_per_m(proposal.scene)
     total_N_per_m = machine.shear.total_N_per_m[0] + held_N_per_m
     yield (
         f"springs: {len(machine.shear.positions_m)} shear bushings of "
-        f"{round_to(machine.shear.stiffness_N_per_m[0] / 1e3, 3):g} kN/m along the deck; the panels hold "
-        f"{held_N_per_m / total_N_per_m:.0%} of the stiffness there"
+        f"{round_to(machine.shear.stiffness_N_per_m[0] / 1e3, 3):g} kN/m along the deck; the panels add "
+        f"{held_N_per_m / total_N_per_m:.0%} of the total stiffness"
     )
     yield from resonances(proposal)
     shake_g = amplitudes_m["driven"] * shaking.speed_rad_per_s**2 / STANDARD_GRAVITY_M_PER_S2
     if shake_g > USUAL_SHAKE_G:
         yield (
-            f"doubtful: the driven frame shakes with {shake_g:.2g} g along the deck, and most machines stay "
-            f"below {USUAL_SHAKE_G:g} g; was the whole travel meant, which is twice the stroke?"
+            f"doubtful: the driven frame reaches {shake_g:.2g} g along the deck, and most machines stay "
+            f"below {USUAL_SHAKE_G:g} g; --stroke is half of the whole travel"
         )
 
 
@@ -151,8 +151,10 @@ def resonances(proposal: Proposal) -> Iterator[str]:
     working_Hz = shaking.speed_rad_per_s / (2 * math.pi)
     modes = frame_modes(proposal.scene)
     nearest = min(abs(mode.frequency_Hz / working_Hz - 1) for mode in modes)
-    which = "no mode of the frames is nearer than" if nearest > NEAR else "a mode of the frames is as near as"
-    yield f"resonance: {which} {nearest:.0%} to the working speed of {working_Hz:.3g} Hz:"
+    yield (
+        f"resonance: the nearest mode of the frames is {nearest:.0%} away from the working speed of "
+        f"{working_Hz:.3g} Hz (less than {NEAR:.0%} is doubtful):"
+    )
     for mode in modes:
         yield f"  {mode.frequency_Hz / working_Hz - 1:+5.0%}  {mode.in_words}"
 
@@ -167,15 +169,11 @@ def _material(proposal: Proposal) -> Iterator[str]:
         if wishes.feed_m[0][0] < cut_m / 10
         else (f"{1e3 * finest_m:.3g} to {1e3 * layout.largest_m:.3g} mm")
     )
-    kind = (
-        "as its sieve analysis says"
-        if wishes.feed_file
-        else "by a typical curve, to be replaced by yours (--feed)"
-    )
+    kind = "by its sieve analysis" if wishes.feed_file else "with a typical curve; give your own with --feed"
     yield (
         f"feed: {3.6 * wishes.throughput_kg_per_s:.4g} t/h of {wishes.material}, {sizes} {kind}; "
-        f"{fine:.0%} of it is finer than the cut of {1e3 * cut_m:.4g} mm, "
-        f"and {half:.0%} finer than half of that"
+        f"{fine:.0%} is finer than the cut of {1e3 * cut_m:.4g} mm, "
+        f"and {half:.0%} finer than half of it"
     )
     shape = shapes()[wishes.shape]
     friction = shape.rolling_friction
@@ -184,11 +182,11 @@ def _material(proposal: Proposal) -> Iterator[str]:
         f"{friction.value:g} ({friction.low:g} to {friction.high:g}) stands for their edges"
     )
     if proposal.air:
-        yield f"air: its drag is computed, because {proposal.air}"
+        yield f"air: drag is computed, because {proposal.air}"
     draft_s = proposal.run_s["draft"]
-    yield f"draft: about {in_words(draft_s)} of one processor: {proposal.draft.about}"
+    yield f"draft: about {in_words(draft_s)} of processor time: {proposal.draft.about}"
     if draft_s > DRAFT_S:
-        yield f"doubtful: even the coarsest draft takes more than {in_words(DRAFT_S)}, as predicted"
+        yield f"doubtful: even the coarsest draft is predicted to take more than {in_words(DRAFT_S)}"
     bulk_kg_per_m3 = PACKED * wishes.density_kg_per_m3
     depth_m = bed_depth_m(wishes.throughput_kg_per_s, wishes.width_m, TRANSPORT_M_PER_S, bulk_kg_per_m3)
     if depth_m > DEEPEST * wishes.smaller_m:

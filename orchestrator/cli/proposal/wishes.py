@@ -276,7 +276,7 @@ class Wishes:
 class ImpossibleWishes(CaseError):
     """An error for wishes that no machine can fulfil; ``problems`` lists every reason with its option."""
 
-    where = "in the wishes"
+    where = "in the options"
 
 
 def problem(option: str, what: str, hint: str = "", kind: Kind = "out-of-range") -> CaseProblem:
@@ -314,7 +314,7 @@ def read_wishes(template: str, answers: Mapping[str, str]) -> Wishes:
     if RANGE in texts["slope"]:
         numbers["slope"] = _spread(numbers["slope"], panels)
     if (slopes := len(numbers["slope"])) > panels:
-        what, hint = f"{slopes} slopes want {slopes} panels or more", "take fewer, or more --panels"
+        what, hint = f"{slopes} slopes need at least {slopes} panels", "give fewer slopes, or more --panels"
         problems.append(problem("slope", what, hint))
     material = " ".join(texts["material"].split())
     if moisture := texts["moisture"].lower():
@@ -440,7 +440,7 @@ def read_answer(name: str, text: str) -> tuple[float, ...]:
         if text.strip().lower() not in ("", *MOISTURES):
             hint = did_you_mean(text.strip().lower(), MOISTURES, say="classes")
             raise ImpossibleWishes(
-                [problem(name, f"{show_value(text)} is no class of moisture", hint, kind="unknown-name")]
+                [problem(name, f"{show_value(text)} is not a class of moisture", hint, kind="unknown-name")]
             )
         return ()
     if name == "feed" and is_file_name(text.strip()):
@@ -453,7 +453,7 @@ def read_answer(name: str, text: str) -> tuple[float, ...]:
         except ValueError as error:
             problems.append(problem(name, str(error), kind="wrong-type"))
     if name == "feed" and not problems and numbers and not (len(numbers) == 2 and numbers[0] < numbers[1]):
-        what = f"{show_value(text)} is no range of sizes"
+        what = f"{show_value(text)} is not a range of sizes"
         problems.append(
             problem(
                 name, what, 'give two, such as "0-30 mm", or the file of a sieve analysis', kind="wrong-type"
@@ -510,7 +510,7 @@ def _read_number(text: str, question: Question) -> float:
     try:
         number = parse_quantity(text, question.key) if unit and own else float(text)
     except ValueError as error:
-        nothing = "is no number with a unit" if own else "is no number"
+        nothing = "is not a number with a unit" if own else "is not a number"
         raise ValueError(f"{show_value(text)} {(own and unit and str(error)) or nothing}") from None
     if question.unit and not unit:
         raise ValueError(f"{show_value(text)} has no unit; is {show_value(f'{text} {question.unit}')} meant?")
@@ -518,5 +518,5 @@ def _read_number(text: str, question: Question) -> float:
     if not low <= number <= high:
         raise ValueError(f"{show_value(text)} is out of the range {question.range(unit)}")
     if not own and number != int(number):
-        raise ValueError(f"{show_value(text)} is no whole number")
+        raise ValueError(f"{show_value(text)} is not a whole number")
     return number

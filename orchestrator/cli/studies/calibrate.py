@@ -56,5 +56,5 @@ def _number(text: str) -> tuple[str, float]:
     try:
         return name.strip(), float(value)
     except ValueError:
-        problem = CaseProblem((), f'"{text}" is no FACTOR=VALUE', "as bond=0", file="--known")
+        problem = CaseProblem((), f'"{text}" is not FACTOR=VALUE', "as bond=0", file="--known")
         raise StudyError([problem]) from None

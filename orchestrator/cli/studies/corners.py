@@ -56,9 +56,9 @@ def command(
     points = [study.point(CENTRE), *(study.point(name, [overlay]) for name, overlay in corners)]
     if dry:
         for point in points:
-            yield f"{point.value}: {in_words(point.loaded.predicted_s)} of one processor"
+            yield f"{point.value}: {in_words(point.loaded.predicted_s)} of processor time"
         all_s = sum(point.loaded.predicted_s for point in points)
-        yield f"{len(points)} runs, {in_words(all_s)} of one processor; nothing was run"
+        yield f"{len(points)} runs, {in_words(all_s)} of processor time; nothing was run"
         return True
     yield from study.run(points)
     found: Found = {point.value: {name: point.run.result(name) for name in wanted} for point in points}

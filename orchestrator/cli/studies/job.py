@@ -20,7 +20,7 @@ def command(
     Exit code 0: done, doubtful or incomplete; 4: it failed.
     """
     if Path(folder).name != folder:
-        raise CaseError([CaseProblem((), "is no name of a folder", file=f"--folder {folder}")])
+        raise CaseError([CaseProblem((), "is not a name of a folder", file=f"--folder {folder}")])
     point = study.point(folder)
     yield from run_points([point], study.crew)
     return point.run.came_to_its_end()

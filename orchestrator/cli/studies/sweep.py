@@ -97,9 +97,9 @@ def _predictions(settings: Vary | SweepPlan, points: Sequence[Point], workers: i
             yield f"{what}: done before"
         else:
             left_s.append(point.loaded.predicted_s)
-            yield f"{what}: {in_words(left_s[-1])} of one processor"
+            yield f"{what}: {in_words(left_s[-1])} of processor time"
     yield (
-        f"{len(left_s)} of {len(points)} runs are to be made, {in_words(sum(left_s))} of one processor, "
+        f"{len(left_s)} of {len(points)} runs are to be made, {in_words(sum(left_s))} of processor time, "
         f"{workers} at a time (predicted, good to a factor of three); nothing was run"
     )
 

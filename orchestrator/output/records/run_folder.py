@@ -238,7 +238,7 @@ def write_page(path: Path, page: str) -> None:
     Raises OSError.
     """
     if path.exists() and path.suffix.lower() not in PAGES:
-        raise OSError(errno.EEXIST, f"exists already and is no page ({PAGES[0]})", str(path))
+        raise OSError(errno.EEXIST, f"exists already and is not a page ({PAGES[0]})", str(path))
     write_text(path, page)
 
 

@@ -77,10 +77,10 @@ def closing_lines(summary: Mapping[str, Any]) -> list[str]:
     lines += [
         f"momentum residual {summary['momentum_residual_relative']:.1e} (relative, worst member)",
         f"energy created by the coupling {created_J:+.3g} J "
-        f"({share_created(summary):+.1e} of the energy exchanged and lost, at the worse interface)",
+        f"({share_created(summary):+.1e} of the energy exchanged and lost, at the worst interface)",
     ]
     if inaccurate := summary.get("stability", {}).get("inaccurate"):
-        lines.append(f"not as accurate as it could be: of sync intervals, {inaccurate}")
+        lines.append(f"the sync interval limits the accuracy: {inaccurate}")
     if iterations := summary.get("iterations"):
         lines += iteration_lines(iterations)
     if material := summary.get("material"):
@@ -144,7 +144,7 @@ def material_lines(material: dict[str, Any], where: str = "") -> Iterator[str]:
         )
     deepest, crossings = material["deepest_overlaps"], material["crossings"]
     yield (
-        "deepest overlap since the start, of a radius: "
+        "deepest overlap since the start, over the radius: "
         f"{2 * deepest['surface_per_diameter']:.2g} with the surface, "
         f"{2 * deepest['between_per_diameter']:.2g} between particles"
     )

@@ -92,7 +92,7 @@ def _effects_crossed(summary: Summary) -> Iterator[str]:
         if entry.get("left_out") and entry.get("crossed") and after.get("matters"):
             value = "infinite" if after["value"] is None else f"{after['value']:.3g}"
             yield (
-                f"{name} is left out, and by the run it matters: {after['number']} is "
+                f"{name} is left out, and the run shows that it matters: {after['number']} is "
                 f"{value}, threshold {after['threshold']}; do not leave it out."
             )
 
@@ -114,10 +114,10 @@ def _energy_of_solvers(summary: Summary) -> Iterator[str]:
         return
     for member, share in defect_shares(summary).items():
         if abs(share) > LARGEST_SHARE_OF_A_SOLVER:
-            whose, verb = f"{member.removesuffix('s')}s'", "made" if share > 0 else "destroyed"
+            whose, verb = f"{member.removesuffix('s')}s'", "created" if share > 0 else "destroyed"
             yield (
                 f"The time steps of the {whose} solver {verb} {100 * abs(share):.3g} % "
-                f"of the energy that it turned over, more than "
+                f"of the energy that it handled, more than "
                 f"{100 * LARGEST_SHARE_OF_A_SOLVER:g} %; shorten its step or the sync interval."
             )
 
@@ -167,7 +167,7 @@ def _material(summary: Summary) -> Iterator[str]:
         if amount["mass_kg"] > LARGEST_SHARE_ASTRAY * fed_kg:
             yield (
                 f"{amount['number']} particles, {100 * amount['mass_kg'] / fed_kg:.3g} % of the mass that "
-                f"came, {what}: the products are off by as much."
+                f"came, {what}: the masses of the products are wrong by as much."
             )
     crossings = material.get("crossings", {"number": 0})
     if crossings["number"]:

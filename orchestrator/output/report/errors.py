@@ -132,7 +132,7 @@ def closing_line(summary: Summary) -> str:
         more = f" (and {len(table['passed']) - 1} more)" if len(table["passed"]) > 1 else ""
         return f"how far off: not known, as a bound was passed: {table['passed'][0]}{more}".rstrip(".")
     if table["basis"] == "not known":
-        tells = f"; `{table['command']}` tells" if table["command"] else ""
+        tells = f"; `{table['command']}` measures it" if table["command"] else ""
         return f"how far off: not known: {table['why']}{tells}"
     known = [
         f"{QUANTITIES[figure['quantity']].short} {_size(figure['error'], figure['error_half_width'])}"

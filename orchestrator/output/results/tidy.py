@@ -168,7 +168,7 @@ def read_results(folders: Sequence[Path]) -> list[RunResults]:
         except (FolderUnusable, CaseError) as error:
             problems.append(str(error))
         except (OSError, ValueError) as error:
-            problems.append(f"{folder}: is no run that has ended ({error})")
+            problems.append(f"{folder}: is not a run that has ended ({error})")
     if problems:
         raise FolderUnusable("\n".join(problems))
     return runs
@@ -191,7 +191,7 @@ def _read(folder: Path) -> RunResults:
     if not folder.is_dir():
         raise FolderUnusable(f"{folder}: no such folder")
     if not (folder / SUMMARY).is_file():
-        raise FolderUnusable(f"{folder}: is no run that has ended: it has no {SUMMARY}")
+        raise FolderUnusable(f"{folder}: is not a run that has ended: it has no {SUMMARY}")
     summary = RunReader(admit(folder)).summary
     status = str(summary.get("status", "unknown"))
     results, (unsteady, unsettled) = tidy_results(summary), why_transient(summary)

@@ -124,7 +124,7 @@ def complete_contacts(case: Case) -> Iterator[CaseProblem]:
         if frozenset((one, two)) not in given and {one, two} <= case.materials.keys():
             hint = f'give [[contacts]] with between = ["{one}", "{two}"]'
             if (name := no_grains(one)) is not None:
-                hint = f"{name} is no grain of the library; {hint}"
+                hint = f"{name} is not a grain of the library; {hint}"
             yield CaseProblem(
                 ("contacts",), f"{one} and {two} can meet but have no contact", hint, kind="missing"
             )
@@ -162,14 +162,14 @@ def fines(case: Case, fate: str) -> Iterator[str]:
             continue
         if source.smallest_fed_m is not None and (finer := finer_share(source)) > 0:
             yield (
-                f"{key[-1]}: {finer:.1%} of the mass is finer than smallest_fed_m = "
-                f"{source.smallest_fed_m:g} m and {done}"
+                f"{key[-1]}: the {finer:.1%} of the mass finer than smallest_fed_m = "
+                f"{source.smallest_fed_m:g} m is {done}"
             )
         if (sample := sample_of(source)) is not None:
             rest = sample.share - sample.computed
             yield (
-                f"{key[-1]}: {sample.in_words}, and the others, {rest:.1%} of the mass or "
-                f"{rest * source.rate_kg_per_s:.3g} kg/s, are {done}"
+                f"{key[-1]}: {sample.in_words}; the others ({rest:.1%} of the mass, "
+                f"{rest * source.rate_kg_per_s:.3g} kg/s) are {done}"
             )
 
 
@@ -181,7 +181,7 @@ def reduced_feeds(given: Mapping[str, Any], layers: Layers) -> Iterator[str]:
         yield (
             f"{name}: {by} feeds {kg_per_s / case_kg_per_s:.0%} of the case's throughput, "
             f"{3.6 * kg_per_s:.3g} of {3.6 * case_kg_per_s:.3g} t/h: a thinner bed moves faster and "
-            "separates otherwise"
+            "separates differently"
         )
 
 
@@ -218,7 +218,7 @@ def narrow_beds(case: Case) -> Iterator[str]:
     if extent_m < NARROW * width_m:
         yield (
             f"the bed from {carried.source} lies on {1e3 * extent_m:.4g} of {1e3 * width_m:.4g} mm of the "
-            "width, like that of a slice: the load is a strip in its middle"
+            "width, like that of a slice: it loads only a strip of the deck"
         )
 
 
@@ -273,8 +273,8 @@ def crowded_boxes(case: Case) -> Iterator[CaseProblem]:
             smallest_m = length * min(size.smallest_m for size in classes(source))
             filled = source.count * math.pi / 6 * smallest_m**3 / math.prod(sides_m)
             if filled > FULLEST:
-                what = f"{source.count} particles fill {filled:.3g} times the box or more"
-                hint = f"random places end at {FULLEST:g}; enlarge the box"
+                what = f"{source.count} particles have at least {filled:.3g} times the volume of the box"
+                hint = f"random packing reaches {FULLEST:g} of it; enlarge the box or lower count"
                 yield CaseProblem((*key, "count"), what, hint, kind="out-of-range")
 
 
@@ -291,8 +291,8 @@ def works_of_adhesion(case: Case) -> Iterator[CaseProblem]:
         hint = 'give contacts a work_of_adhesion_J_per_m2 or a bond_number, or take "none"'
         yield CaseProblem(("particles", "adhesion"), what, hint)
     if case.particles.sjkr_diameter_m is not None and adhesion_law(case) != "sjkr":
-        what = 'has no meaning without particles.adhesion = "sjkr"'
-        yield CaseProblem(("particles", "sjkr_diameter_m"), what)
+        what = 'has no effect without particles.adhesion = "sjkr"'
+        yield CaseProblem(("particles", "sjkr_diameter_m"), what, "add that, or remove this key")
 
 
 def adhesive_contacts(case: Case) -> Iterator[CaseProblem]:
@@ -306,14 +306,14 @@ def adhesive_contacts(case: Case) -> Iterator[CaseProblem]:
         who = f"the smallest particles ({2e3 * pair.radius_m:.3g} mm)"
         neck = pair.neck_m / pair.radius_m
         if neck > WIDEST_NECK:
-            what = f"{who} would stick with a neck as wide as {neck:.2g} of their radius"
-            hint = f"up to {WIDEST_NECK:g} the law holds: less work, or stiffer contacts"
+            what = f"at the contacts of {who} the neck would be {neck:.2g} of the radius"
+            hint = f"the law holds up to {WIDEST_NECK:g}: give less work of adhesion, or stiffer contacts"
             yield CaseProblem(key, what, hint, kind="out-of-range")
         pull = pair.pull_off_N / (pair.reduced_kg * STANDARD_GRAVITY_M_PER_S2)
         if pull > STRONGEST_PULL:
             what = f"{who} would stick with {pull:.2g} times their weight"
             yield CaseProblem(
-                key, what, "is the unit right? Surface energies are given in mJ/m2, too", kind="out-of-range"
+                key, what, "is the unit right? Surface energies are often given in mJ/m2", kind="out-of-range"
             )
     shared = surface_materials(case) & set(smallest_grains(case))
     for name in sorted(shared) if adhesion_law(case) == "sjkr" else ():
@@ -413,9 +413,9 @@ def feeds(case: Case) -> Iterator[CaseProblem]:
         if (inlet.corners_m < low - SLACK_M).any() or (inlet.corners_m > high + SLACK_M).any():
             yield CaseProblem((*key, "box_m"), "is not inside domain_m", kind="misplaced")
         if inlet.rate_kg_per_s > inlet.largest_rate_kg_per_s:
-            what = f"{inlet.rate_kg_per_s:g} kg/s find no room in the box"
-            largest = f"the largest rate is {inlet.largest_rate_kg_per_s:.3g} kg/s"
-            hint = f"{largest}; a larger box or velocity_m_per_s takes more"
+            what = f"{inlet.rate_kg_per_s:g} kg/s do not fit through the box"
+            largest = f"at most {inlet.largest_rate_kg_per_s:.3g} kg/s do"
+            hint = f"{largest}; enlarge the box, or raise velocity_m_per_s"
             yield CaseProblem((*key, "rate_kg_per_s"), what, hint, kind="out-of-range")
     for (one, first), (two, second) in combinations(by_name.items(), 2):
         if not are_apart(first, second):
@@ -537,7 +537,7 @@ def feeds_that_hardly_feed(case: Case) -> Iterator[str]:
     wanted_s, taken_s = case.particles.feed_interval_s, batch_s(case)
     if case.bed.feeds and wanted_s > 0 and abs(taken_s - wanted_s) > ROUNDED * wanted_s:
         yield (
-            f"particles.feed_interval_s = {wanted_s:g} s is taken as {taken_s:g} s, a whole number "
+            f"particles.feed_interval_s = {wanted_s:g} s is rounded to {taken_s:g} s, a whole number "
             f"of sync intervals of {case.coupling.sync_interval_s:g} s"
         )
 
@@ -583,7 +583,7 @@ def exits(case: Case) -> Iterator[CaseProblem]:
             yield CaseProblem(key, "is outside domain_m: no particle gets there", kind="misplaced")
         least_m = THICKNESS * largest_length_m(case) if has_particles(case) else 0.0
         if (thin_m := float(np.ptp(box_m, axis=0).min())) < least_m:
-            what = f"is {thin_m:g} m thin: the fastest particles may go through it and not be taken out"
+            what = f"is only {thin_m:g} m thick: fast particles may cross it without being taken out"
             yield CaseProblem(key, what, f"make it {least_m:.3g} m thick or more", kind="out-of-range")
         for panel in single_panels(case):  # straight between its clamps, in deck axes
             r = panel.rectangle
@@ -633,15 +633,15 @@ def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:
     if width_m < ENOUGH_DIAMETERS * length_m:
         yield (
             f"slice.width_m = {width_m:g} m is {width_m / length_m:.2g} of the largest "
-            f"diameters, fewer than {ENOUGH_DIAMETERS:g}: large particles may bridge"
+            f"diameters, less than {ENOUGH_DIAMETERS:g}: large particles may bridge it"
         )
     for name, panel in case.whole_machine.screen.panels.items():
         closed_m = 2 * openings.margin_across_m if isinstance(openings := panel.apertures, Apertures) else 0.0
         more = panel.width_m / (panel.width_m - closed_m) - 1
         if more > MORE_OPENINGS:
             yield (
-                f"the slice has openings from side to side; the whole panel {name} has margins, so that "
-                f"{100 * more:.2g} % more openings than it has count for the whole width"
+                f"the slice has openings from side to side, and the whole panel {name} has margins: results "
+                f"of the whole width count {100 * more:.2g} % more openings than there are"
             )
             break
     low, high = y_m = bounds_m(case.whole_machine)

@@ -88,7 +88,7 @@ class _Deck:
             if is_open:
                 yield (
                     f"no wall along the {side} side of {_count(is_open)}, seen down the deck: material "
-                    "falls off; give side plates or a surface"
+                    "falls off; add side plates or a surface"
                 )
             if gaps_m:
                 widest_m = max(gaps_m.values())
@@ -107,8 +107,8 @@ class _Deck:
             ]
             if np.isinf(max(widths_m)):
                 yield (
-                    f"no back wall at the upper end, panel {panel.name}, on which material lands: what "
-                    "springs back falls off; give a surface across the deck or a feed chute"
+                    f"no back wall at the upper end, behind panel {panel.name}, on which material lands: "
+                    "grains that bounce back are lost; add a surface across the deck or a feed chute"
                 )
             elif max(widths_m) > self.smallest_m:
                 yield (
@@ -132,7 +132,7 @@ class _Deck:
             if all(fate.what in ("outside", "nothing") for fate in fates):
                 yield (
                     f"no exit behind the lower end, panel {panel.name}: what leaves the deck there counts as "
-                    'lost; give [screen.exits] with product = "oversize"'
+                    'lost; add [screen.exits] with product = "oversize"'
                 )
 
     def below_openings(self) -> Iterator[str]:
@@ -147,7 +147,7 @@ class _Deck:
                 lost.append(panel.name)
         if lost:
             yield (
-                f"no exit below the openings of {_count(lost)}: what passes them counts as lost; give "
+                f"no exit below the openings of {_count(lost)}: what passes them counts as lost; add "
                 '[screen.exits] with product = "undersize"'
             )
 
@@ -160,7 +160,7 @@ class _Deck:
                 where = " or ".join(dict.fromkeys(map(_describe_fate, missing)))
                 how_many = "all" if len(missing) == len(fates) else f"{len(missing)} of {len(fates)}"
                 yield (
-                    f'{kind} "{name}" misses the deck: {how_many} flights from its box meet no panel or '
+                    f'{kind} "{name}" misses the deck: {how_many} trial flights from its box hit no panel or '
                     f"surface and end {where}; move box_m or change velocity_m_per_s"
                 )
 

@@ -200,7 +200,7 @@ def probes(case: Case) -> Iterator[CaseProblem]:
     for key, probe in rows(case, "probes"):
         on = [kind for kind in ("frame", "panel", "particle") if getattr(probe, kind) is not None]
         if len(on) != 1:
-            what = f"is on {' and '.join(on)}" if on else "is on nothing"
+            what = f"is on {' and '.join(on)}" if on else "is on no part"
             yield CaseProblem(key, what, "give one of frame, panel, particle")
         for kind, place in (("frame", "point_m"), ("panel", "at")):
             given = getattr(probe, place) is not None

@@ -41,8 +41,8 @@ def resonances(scene: Scene) -> Iterator[str]:
             modes = "a mode" if len(near) == 1 else f"{len(near)} modes"
             yield (
                 f"the excitation at {excited_Hz:.3g} Hz is within {NEAR:.0%} of {modes} of the "
-                f"frames: {which}; small changes of stiffness, mass or load then change the motion strongly; "
-                "change bushings, masses or the speed"
+                f"frames: {which}; near resonance, small changes of stiffness, mass or load change the "
+                "motion strongly; change bushings, masses or the speed"
             )
 
 
@@ -56,8 +56,8 @@ def slips_of_magnitude(scene: Scene) -> Iterator[str]:
     if softest is not None:
         sag_m = STANDARD_GRAVITY_M_PER_S2 / (2 * math.pi * softest.frequency_Hz) ** 2
         yield (
-            f"soft bushings: {softest.in_words}, as if it hung {sag_m:.2g} m deep in them under its weight; "
-            f"{_softest_bushing(scene.case)}rubber springs of screens have 1e4 to 1e7 N/m"
+            f"soft bushings: {softest.in_words}, which is a static deflection of {sag_m:.2g} m under "
+            f"gravity; {_softest_bushing(scene.case)}rubber springs of screens have 1e4 to 1e7 N/m"
         )
     free = free_frames(scene.plan)
     for body in (body for body in scene.plan.bodies if body.name in free):
@@ -92,9 +92,9 @@ def missing_damping(case: Case, scene: Scene) -> Iterator[str]:
     if undamped:
         more = f"{_more(len(undamped))} modes" if len(undamped) > 1 else ""
         yield (
-            f"no damping of {undamped[0].in_words}{more}: less than {UNDAMPED:.1%} of the critical damping, "
-            "so that the motion of the start hardly dies out; give the bushings damping_N_s_per_m (loss "
-            "factor times stiffness over speed; rubber has a loss factor of some 0.1)"
+            f"no damping of {undamped[0].in_words}{more}: less than {UNDAMPED:.1%} of critical, so that the "
+            "start-up motion hardly dies out; give the bushings damping_N_s_per_m (loss factor times "
+            "stiffness over speed; the loss factor of rubber is about 0.1)"
         )
     if not case.panel.adapter.deforms:
         return
@@ -103,7 +103,7 @@ def missing_damping(case: Case, scene: Scene) -> Iterator[str]:
         if law is not None and not law.maxwell and not law.loss_curve:
             yield (
                 f"no damping in panels of {name}: their vibrations do not die out; give the material maxwell "
-                "branches or a loss_curve (polyurethane has a loss factor of some 0.1)"
+                "branches or a loss_curve (the loss factor of polyurethane is about 0.1)"
             )
 
 
@@ -123,7 +123,7 @@ def bushings_beyond_points(case: Case, scene: Scene) -> Iterator[str]:
                 *_beyond("an amplitude", "mm", sizes_mm, measured_mm),
                 *_beyond("a frequency", "Hz", speeds_Hz, measured_Hz),
             ):
-                yield f"bushing {name} along {curve.axes} works at {what}: there the law is a guess"
+                yield f"bushing {name} along {curve.axes} works at {what}: its force is extrapolated"
 
 
 def loss_curves_beyond_points(case: Case, scene: Scene) -> Iterator[str]:
@@ -135,7 +135,7 @@ def loss_curves_beyond_points(case: Case, scene: Scene) -> Iterator[str]:
         law = case.materials[name].hyperelastic
         measured_Hz = [point.frequency_Hz for point in law.loss_curve] if law is not None else []
         for what in _beyond("a frequency", "Hz", speeds_Hz, measured_Hz):
-            yield f"material {name} of panels works at {what}: there its loss is a guess"
+            yield f"material {name} of panels works at {what}: its loss is extrapolated"
 
 
 def _beyond(what: str, unit: str, works: Sequence[float], measured: Sequence[float]) -> Iterator[str]:
@@ -154,8 +154,8 @@ def sudden_exciters(case: Case) -> Iterator[str]:
             force_N = exciter.mass_moment_kg_m * exciter.speed_rad_per_s**2
             cycles_s = CYCLES * 2 * math.pi / exciter.speed_rad_per_s
             yield (
-                f'no run-up of exciter "{name}": its full force of {force_N:.3g} N begins at once, which '
-                f"makes the frames swing for long; give it a run_up_s, {CYCLES} cycles are {cycles_s:.2g} s"
+                f'exciter "{name}" has no run-up: its full force of {force_N:.3g} N acts at once, and the '
+                f"frames swing long before they settle; set run_up_s, {CYCLES} cycles are {cycles_s:.2g} s"
             )
 
 
@@ -176,7 +176,7 @@ def beating_speeds(scene: Scene) -> Iterator[str]:
             beat_s = 2 * math.pi / (fast_rad_per_s - slow_rad_per_s)
             yield (
                 f"{slow} and {fast} turn at {slow_rad_per_s:.6g} and {fast_rad_per_s:.6g} rad/s: "
-                f"they fall out of step and into step again every {beat_s:.3g} s, and no stroke is steady; "
+                f"they beat, in step once every {beat_s:.3g} s, so that no stroke is steady; "
                 "shafts that are geared together need the same speed_rad_per_s"
             )
 
@@ -237,8 +237,8 @@ def exits_in_swing(scene: Scene) -> Iterator[str]:
             panel, most_m = max(reached_m.items(), key=lambda item: item[1])
             yield (
                 f'panel {panel}{_more(len(reached_m))} swings into exit "{name}", by up to '
-                f"{1e3 * most_m:.3g} mm: there an exit of the undersize waits until a particle is below the "
-                f"panel, any other takes it from the deck; lower the upper face of screen.exits.{name}.box_m"
+                f"{1e3 * most_m:.3g} mm: an exit of the undersize there takes only particles below the "
+                f"panel, any other takes them off the deck; lower the upper face of screen.exits.{name}.box_m"
             )
 
 

@@ -80,9 +80,9 @@ def shared_names(case: Case) -> Iterator[CaseProblem]:
     keys += [(name, ("screen", "surfaces", name)) for name in screen.surfaces]
     for name, key in keys:
         if name in owners:
-            what = "is the ground's" if name == GROUND else f"is taken by {owners[name][1]}"
+            what = "is reserved" if name == GROUND else f"is taken by {owners[name][1]}"
             yield CaseProblem(key, f'the name "{name}" {what}', "take another name")
         owners[name] = key
     for name in case.probes:
         if name in screen.frames:
-            yield CaseProblem(("probes", name), f'the name "{name}" is a frame\'s', "take another name")
+            yield CaseProblem(("probes", name), f'the name "{name}" is taken by frames', "take another name")

@@ -44,8 +44,8 @@ def panel_rows(case: Case) -> Iterator[CaseProblem]:
         yield from right_angle(key, panel, "along", "across")
         normal = np.cross(panel.along, panel.across)
         if normal[2] < -1e-9 * np.linalg.norm(normal):
-            what = "turns the panel's upper side, along x across, down"
-            hint = "turn it round and give the corner at the panel's other side"
+            what = "makes the panel's upper side (along x across) face down"
+            hint = "reverse it, and give the corner at the panel's other side"
             yield CaseProblem((*key, "across"), what, hint)
 
 
@@ -60,13 +60,12 @@ def _one_span(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
     if not 0.5 * panel.length_m <= span <= 1.5 * panel.length_m:
         given = "span_m" if panel.span_m is not None else "tension_m"
         what = f"the clamps are {span:g} m apart, the free length is {panel.length_m:g} m"
-        yield CaseProblem((*key, given), what, "0.5 to 1.5 of the free length is wanted", kind="out-of-range")
+        yield CaseProblem((*key, given), what, "0.5 to 1.5 times that is possible", kind="out-of-range")
     needed_m = span + 2 * panel.clamp_m * math.cos(math.radians(panel.clamp_angle_deg))
     if panel.pitch_m is not None and panel.count > 1 and panel.pitch_m < needed_m:
-        what = f"{panel.pitch_m:g} m lets neighbours overlap"
-        yield CaseProblem(
-            (*key, "pitch_m"), what, f"span and two clamps need {needed_m:g} m", kind="misplaced"
-        )
+        what = f"with {panel.pitch_m:g} m neighbouring panels overlap"
+        hint = f"give at least {needed_m:g} m, which span and two clamps take"
+        yield CaseProblem((*key, "pitch_m"), what, hint, kind="misplaced")
 
 
 def _mounting(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
@@ -144,7 +143,7 @@ def openings(case: Case) -> Iterator[CaseProblem]:
                 f"the panel is {thickness_m:g} m thick, its openings are only {longest_m:g} m apart: no plate"
             )
             yield CaseProblem(
-                (*key, "thickness_m"), what, f"at most {PLATE * longest_m:g} m is wanted", kind="out-of-range"
+                (*key, "thickness_m"), what, f"give at most {PLATE * longest_m:g} m", kind="out-of-range"
             )
 
 
@@ -157,11 +156,11 @@ def _lands(key: Key, pattern: AperturePattern, longest_m: float) -> Iterator[Cas
         if land_m <= 0:
             what = f"{pitch_m:g} m leaves no land between openings of {size_m:g} m {way}"
             yield CaseProblem(
-                (*key, f"pitch_{way}_m"), what, f"more than {size_m:g} m is wanted", kind="out-of-range"
+                (*key, f"pitch_{way}_m"), what, f"give more than {size_m:g} m", kind="out-of-range"
             )
         elif land_m < THINNEST_LAND * longest_m:
             what = f"leaves lands of {land_m:.3g} m, too thin for a mesh"
-            hint = f"at least {THINNEST_LAND:g} of the longer pitch is wanted"
+            hint = f"leave at least {THINNEST_LAND:g} of the longer pitch"
             yield CaseProblem((*key, f"pitch_{way}_m"), what, hint, kind="out-of-range")
 
 
@@ -174,13 +173,13 @@ def _relief(key: Key, pattern: AperturePattern, longest_m: float) -> Iterator[Ca
     if smallest_m + 2 * widening_m <= 0:
         closed_deg = math.degrees(math.atan(smallest_m / 2 / pattern.depth_m))
         what = f"{pattern.relief_deg:g} degrees {over} closes openings of {smallest_m:g} m"
-        hint = f"more than -{closed_deg:.3g} degrees is wanted; openings with positive ones widen downwards"
+        hint = f"give more than -{closed_deg:.3g} degrees; with a positive angle openings widen downwards"
         yield CaseProblem((*key, "relief_deg"), what, hint, kind="out-of-range")
     elif land_m - 2 * widening_m < least_m:
         most_deg = math.degrees(math.atan((land_m - least_m) / 2 / pattern.depth_m))
         left_m = max(land_m - 2 * widening_m, 0.0)
         what = f"{pattern.relief_deg:g} degrees {over} leaves {left_m:.3g} m of lands of {land_m:.3g} m below"
-        hint = f"at most {most_deg:.3g} degrees is wanted, or less depth_m"
+        hint = f"give at most {most_deg:.3g} degrees, or a smaller depth_m"
         yield CaseProblem((*key, "relief_deg"), what, hint, kind="out-of-range")
 
 

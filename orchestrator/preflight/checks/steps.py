@@ -76,8 +76,8 @@ def rounded_times(case: Case) -> Iterator[str]:
         taken_s = steps_in(wanted_s, interval_s) * interval_s
         if wanted_s > 0 and taken_s - wanted_s > ROUNDED * wanted_s:
             yield (
-                f"{key} = {wanted_s:.9g} s is taken as {taken_s:.6g} s, a whole number of sync intervals of "
-                f"{interval_s:g} s"
+                f"{key} = {wanted_s:.9g} s is rounded up to {taken_s:.6g} s, a whole number of sync "
+                f"intervals of {interval_s:g} s"
             )
 
 

@@ -61,11 +61,11 @@ def plates(case: Case) -> Iterator[CaseProblem]:
         files = [name for name in (surface.file, surface.stl) if name is not None]
         of_files = ("unit", "scale", "rotation_deg", "move_m", "tolerance_m")
         if len(files) == 2:
-            yield CaseProblem(key, "is two files", "give file or stl")
+            yield CaseProblem(key, "names two files", "give file or stl, not both")
         elif files and any(given):
-            yield CaseProblem(key, "is a file and a plate", "give file, or corner_m and edges_m")
+            yield CaseProblem(key, "is given as a file and as a plate", "give file, or corner_m and edges_m")
         elif not files and not all(given):
-            yield CaseProblem(key, "is no surface", "give file, or corner_m and edges_m", kind="missing")
+            yield CaseProblem(key, "has no geometry", "give file, or corner_m and edges_m", kind="missing")
         elif not files and (told := [name for name in of_files if getattr(surface, name) is not None]):
             yield CaseProblem((*key, told[0]), "is for files, and this is a plate", "leave it out")
         elif surface.edges_m is not None:
@@ -73,7 +73,10 @@ def plates(case: Case) -> Iterator[CaseProblem]:
             one, two = np.array(surface.edges_m) / (longest_m or 1.0)
             if not np.linalg.norm(np.cross(one, two)) > THINNEST:
                 yield CaseProblem(
-                    (*key, "edges_m"), "span no area", "give two edges at an angle", kind="out-of-range"
+                    (*key, "edges_m"),
+                    "are parallel or zero",
+                    "give two edges at an angle",
+                    kind="out-of-range",
                 )
 
 

@@ -24,7 +24,7 @@ def judge(scene: Scene) -> Verdict:
     why = describe_friction(ratio, "rolling alone")
     slopes = scene.slope >= LEVEL
     if slopes and ratio < 1:
-        why += ": a lone sphere does not stop, and grains that are no spheres do"
+        why += ": a lone sphere does not stop, and grains that are not spheres do"
     number, threshold, cost = "mu_r / tan(slope)", "1 (a lone sphere stops)", "a contact history (epsd2)"
     return Verdict(number, ratio, threshold, slopes or ratio > 0, why, cost)
 

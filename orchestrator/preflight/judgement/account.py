@@ -83,7 +83,8 @@ def lines_at_start(entries: Mapping[str, Entry]) -> Iterator[str]:
         if entry.left_out:
             estimate = ""
             if entry.before is not None:
-                estimate = f"; {describe_verdict(entry.before.matters)}: {entry.before.in_numbers}"
+                whether = " whether it matters" if entry.before.matters is None else ""
+                estimate = f"; {describe_verdict(entry.before.matters)}{whether}: {entry.before.in_numbers}"
             yield f"left out: {name}: {entry.left_out}{estimate}"
 
 

@@ -28,7 +28,7 @@ def _find_effects() -> dict[str, Effect]:
     by_name |= {point.name: point.load() for point in entry_points(group="flipflow.effects")}
     checkable = {"", *(field.name for field in fields(Observed))}
     for name, effect in by_name.items():
-        assert isinstance(effect, Effect), f"{name} is no Effect"
+        assert isinstance(effect, Effect), f"{name} is not an Effect"
         assert effect.checked_by in checkable, f"{name}: a run does not tell {effect.checked_by}"
     return by_name
 

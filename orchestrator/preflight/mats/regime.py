@@ -86,7 +86,7 @@ class Regime:
             "both": f"arches up in {self.turns_up} of {turns}",
         }
         after = self.repeats_after
-        alike = {None: "never the same", 1: "the same in each"}.get(after, f"the same every {after} turns")
+        alike = {None: "never repeats", 1: "repeats every turn"}.get(after, f"repeats every {after} turns")
         peaks = f"{self.mean_peak_g:.3g} g ({self.mean_quoted_peak_g:.3g} g below 100 Hz)"
         return f"{ways[self.side]}, {alike}, mean peak {peaks}"
 

@@ -117,7 +117,7 @@ def too_small_decks(duty: Duty | None) -> Iterator[str]:
     if duty is None or needed_m2 is None or needed_m2 <= duty.area_m2:
         return
     yield (
-        f"the deck is too small: {T_PER_H * duty.fed_kg_per_s:.4g} t/h want {needed_m2:.3g} m2 for "
+        f"the deck is too small: {T_PER_H * duty.fed_kg_per_s:.4g} t/h need {needed_m2:.3g} m2 for "
         f"{EFFICIENCY:.0%} of the fines by the factors of VSMA, and it has {duty.area_m2:.3g} m2 ({RULE})"
     )
 
@@ -142,7 +142,7 @@ def _screening(case: Case, duty: Duty) -> Iterator[SheetLine]:
         yield SheetLine(
             "Karra's model",
             f"d50 {1e3 * found.d50_m:.3g} mm, {found.passing:.0%} of what is finer than the openings passes; "
-            f"{T_PER_H * found.load_kg_per_m2_s:.3g} t/h and m2 of fines, capacity "
+            f"{T_PER_H * found.load_kg_per_m2_s:.3g} t/h of fines per m2, capacity "
             f"{T_PER_H * found.capacity_kg_per_m2_s:.3g}; openings of {mm:.3g} mm let through "
             f"{1e3 * found.throughfall_m:.3g} mm on the slope",
             "Karra 1979",
@@ -156,8 +156,8 @@ def _screening(case: Case, duty: Duty) -> Iterator[SheetLine]:
         )
     yield SheetLine(
         "load",
-        f"{fed_t_per_h:.4g} t/h, {T_PER_H * per_m2:.3g} t/h and m2, {fed_t_per_h / duty.width_m:.3g} t/h for "
-        f"each metre of width; {duty.bulk_kg_per_m3:.3g} kg/m3 in bulk",
+        f"{fed_t_per_h:.4g} t/h, {T_PER_H * per_m2:.3g} t/h per m2, {fed_t_per_h / duty.width_m:.3g} t/h per "
+        f"metre of width; bulk density {duty.bulk_kg_per_m3:.3g} kg/m3",
         f"solids fill {PACKED:g} of a bed",
         {"fed_kg_per_s": duty.fed_kg_per_s, "kg_per_m2_s": per_m2, "bulk_kg_per_m3": duty.bulk_kg_per_m3},
     )
@@ -206,7 +206,7 @@ def _machine(whole: Scene) -> Iterator[SheetLine]:
         if modes:
             near = min(modes, key=lambda mode: abs(mode.frequency_Hz - excited_Hz))
             margin = near.frequency_Hz / excited_Hz - 1
-            text = f"nearest to {excited_Hz:.3g} Hz: {margin:+.0%}, {near.in_words}"
+            text = f"{margin:+.0%} from {excited_Hz:.3g} Hz to the nearest, {near.in_words}"
             yield SheetLine("margin to modes", text, LINEAR, {"margin": margin})
     yield from _supports(whole)
     yield from _bearings(whole)
@@ -214,7 +214,7 @@ def _machine(whole: Scene) -> Iterator[SheetLine]:
         watt = power_W(whole)
         yield SheetLine(
             "power",
-            f"{watt / 1e3:.3g} kW into the bushings; left out are bearings, belt, motor, mats and bed",
+            f"{watt / 1e3:.3g} kW lost in the bushings, without bearings, belt, motor, mats and bed",
             LINEAR,
             {"power_W": watt},
         )
@@ -229,8 +229,8 @@ def _supports(whole: Scene) -> Iterator[SheetLine]:
             most = max(own, key=lambda row: row.static_N + row.dynamic_N)
             yield SheetLine(
                 f"supports {name}",
-                f"each of {len(own)} carries {most.static_N / 1e3:.3g} kN and {most.dynamic_N / 1e3:.3g} kN "
-                f"to and fro ({most.name}, the most), without the bed",
+                f"each of {len(own)} carries up to {most.static_N / 1e3:.3g} kN static and "
+                f"{most.dynamic_N / 1e3:.3g} kN dynamic ({most.name}), without the bed",
                 LINEAR,
                 {f"{row.name}.static_N": row.static_N for row in own}
                 | {f"{row.name}.dynamic_N": row.dynamic_N for row in own},
@@ -246,7 +246,7 @@ def _bearings(whole: Scene) -> Iterator[SheetLine]:
         force_N = exciter.mass_moment_kg_m * exciter.speed_rad_per_s**2
         key = f"screen.exciters.{name}.bearings"
         if (bearings := exciter.bearings) is None:
-            text = f"unbalance of {force_N / 1e3:.4g} kN; their life wants {key}.dynamic_rating_N"
+            text = f"unbalance of {force_N / 1e3:.4g} kN; give {key}.dynamic_rating_N for their life"
             yield SheetLine(f"bearings {name}", text, "ISO 281", {"force_N": force_N})
             continue
         load_N = force_N / bearings.count

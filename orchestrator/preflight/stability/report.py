@@ -24,22 +24,23 @@ IN_TURN = ("particles-first", "robin", "aitken")
 """The schemes that "auto" chooses from, from the cheapest to the dearest."""
 
 BECAUSE = {
-    "light points": "{where} knocks a light spot of the panel to and fro between exchanges",
-    "lasting contacts, panels' modes": "{where} lies there and feeds the panel's fastest vibration",
-    "lasting contacts, light points": "{where} lies there and rocks on a light spot of the panel",
+    "light points": "{where} pushes a light point of the panel's mesh back and forth between exchanges",
+    "lasting contacts, panels' modes": "{where}, at rest on the panel, feeds its fastest vibration",
+    "lasting contacts, light points": "{where}, at rest on the panel, rocks on a light point of its mesh",
     "foreseen contacts, panels' modes": "the load of {where} on the panel's fastest vibration is "
-    "foreseen wrongly",
-    "foreseen contacts, spheres": "the load of {where}, which jumps off light spots of the panel, "
-    "is foreseen wrongly",
+    "predicted wrongly",
+    "foreseen contacts, spheres": "the load of {where}, which bounces off light points of the panel's "
+    "mesh, is predicted wrongly",
     "late contacts": "the load of {where} comes an exchange late and feeds the panel's vibration",
-    "late contacts, light points": "the load of {where} on a light spot of the panel comes an exchange late",
+    "late contacts, light points": "the load of {where} on a light point of the panel's mesh "
+    "comes an exchange late",
     "extrapolated clamps": "the frames swing on their panels faster than exchanges can follow",
     "vibrating panels": "the frames answer undamped vibrations along the panels late",
     "late reaction": "the panels' pull on the frames comes an exchange late and feeds their swing",
     "carried mass": "the panels are too heavy for a frame that carries them",
     "shortest impact": "an impact of {where} should last ten exchanges",
     "whole impacts": "an impact of {where} must last so many exchanges that this scheme follows it",
-    "moving surface": "between exchanges a surface is taken to go straight on, which {where} feels",
+    "moving surface": "between exchanges a surface is taken to move straight on, which {where} feels",
     "driven surface": "the smooth path of a driven surface between exchanges must not leave its "
     "true one by what {where} feels",
 }
@@ -125,7 +126,7 @@ class StabilityReport:
     def detail_lines(self) -> Iterator[str]:
         """Yield lines with the numbers, all bounds from the shortest interval up, and the conclusion."""
         if self.why:
-            yield f"  scheme: {self.scheme}, taken by the program: {self.why}"
+            yield f"  scheme: {self.scheme}, chosen by the program: {self.why}"
         for name, text in self.facts.items():
             yield f"  {name}: {text}"
         for bound in sorted(self.bounds, key=lambda bound: bound.interval_s):
@@ -165,7 +166,8 @@ class StabilityReport:
         accuracy = self.accuracy_bound
         if accuracy is None or self.interval_s <= accuracy.interval_s:
             return ""
-        return f"accurate by the usual rules is at most {at_most(accuracy.interval_s)} s: {because(accuracy)}"
+        most = f"{at_most(accuracy.interval_s)} s"
+        return f"for accuracy, the usual rules allow at most {most}: {because(accuracy)}"
 
     def advice(self) -> str:
         """Return a sentence of advice for a run that became unstable."""

@@ -74,6 +74,6 @@ def find_scenes(study: CaseStudy) -> Iterator[tuple[Scene, CaseStudy]]:
     if problems:
         raise CaseError(problems)
     if not scenes:
-        what = f"is no case, and has no case with {FILE}"
+        what = f"is not a case, and has no case with {FILE}"
         raise CaseError([CaseProblem((), what, "docs/commands.md", str(study.case), kind="file")])
     yield from scenes

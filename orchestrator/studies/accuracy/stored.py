@@ -157,7 +157,7 @@ def find_study(case: Case, given: Path | None) -> StoredStudy | None:
             table = StudyFolder(file.parent).read_json(file.name)
             name, level, version = table["case"], table["level"], table.get("format_version")
         except (ValueError, KeyError, TypeError):
-            raise problem(file, "is no study of accuracy") from None
+            raise problem(file, "is not a study of accuracy") from None
         if version != FORMAT:
             raise problem(file, "another version of flipflow wrote it; make the study again")
         if (name, level) == (case.name, case.level):

@@ -42,7 +42,7 @@ def parse(text: str) -> ast.expr:
     try:
         expression = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise BadFormula(f'"{text}" is no arithmetic') from None
+        raise BadFormula(f'"{text}" is not a formula of arithmetic') from None
     _check(expression, text)
     return expression
 
@@ -87,7 +87,7 @@ def _check(node: ast.expr, text: str) -> None:
         return _check(node.right, text)
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords and node.args:
         if node.func.id not in FUNCTIONS:
-            raise BadFormula(f'"{node.func.id}" is no function; there are {", ".join(FUNCTIONS)}')
+            raise BadFormula(f'"{node.func.id}" is not a function; there are {", ".join(FUNCTIONS)}')
         for argument in node.args:
             _check(argument, text)
         return None

@@ -86,7 +86,7 @@ class DesignStudy:
             folder = self.folder / RUNS / outcome.trial.name
             what = f"the run of the centre ({folder}) does not tell {', '.join(missing)}"
             if not outcome.is_data:
-                what = f"the run of the centre ({folder}) is no data: {outcome.why}"
+                what = f"the run of the centre ({folder}) gives no data: {outcome.why}"
             hint = "look at its report; nothing else was run"
             raise StudyError([CaseProblem(("responses",), what, hint)])
 

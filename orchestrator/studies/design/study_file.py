@@ -325,7 +325,7 @@ def _with_its_place(problem: CaseProblem) -> CaseProblem:
     alone, key = StudyFile.model_fields.keys() - TABLES, problem.key
     hint = "a key of the whole study belongs before the first [table]"
     if key[:1] == ("set",) and alone.intersection(key[1:2]):
-        return CaseProblem(key[:2], "is no key of a case", hint, kind="unknown-key")
+        return CaseProblem(key[:2], "is not a key of a case", hint, kind="unknown-key")
     if len(key) > 1 and key[-1] in alone and problem.what.startswith("unknown key"):
         other = f"; or {problem.hint}" if problem.hint.startswith("did you mean") else ""
         return replace(problem, hint=hint + other)
@@ -345,7 +345,7 @@ def _check_simpler_corners(study: Study, path: str) -> None:
 def _check_source(file: StudyFile, problems: list[CaseProblem]) -> None:
     """Check that the data come either from runs of a case or from a table."""
     if bool(file.case) == bool(file.table):
-        problems.append(CaseProblem(("case",), "one of case and table is wanted"))
+        problems.append(CaseProblem(("case",), "give one of case and table"))
     elif file.table and file.set:
         problems.append(CaseProblem(("set",), "the data of a table are not run"))
     elif file.case and not file.set:
@@ -363,7 +363,9 @@ def _check_overrides(file: StudyFile, problems: list[CaseProblem]) -> None:
             for other in file.set:
                 above = place[0] == "cheap" and other.startswith(f"{key}.")
                 if above or f"{key}.".startswith(f"{other}."):
-                    problems.append(CaseProblem((*place, number), f"{other} is set by a formula, too"))
+                    problems.append(
+                        CaseProblem((*place, number), f"a formula sets {other}, too", "remove one of them")
+                    )
 
 
 def _check_factors_and_responses(file: StudyFile, problems: list[CaseProblem]) -> None:
@@ -374,7 +376,7 @@ def _check_factors_and_responses(file: StudyFile, problems: list[CaseProblem]) -
                 CaseProblem(("factors", name, "range"), f"{low:g} is not below {high:g}", kind="out-of-range")
             )
         elif high - low < max(NARROWEST * max(abs(low), abs(high)), sys.float_info.min):
-            what = f"{low!r} to {high!r} is no more than rounding"
+            what = f"{low!r} to {high!r} differ only by rounding"
             problems.append(CaseProblem(("factors", name, "range"), what, kind="out-of-range"))
     for name, response in file.responses.items():
         problems.extend(_wrong_target(name, response))
@@ -406,8 +408,8 @@ def _unlike_its_result(name: str, response: ResponseTable) -> Iterator[CaseProbl
         hint = f'nothing is converted: write "{unit}", and goals and limits in it'
         yield CaseProblem(("responses", name, "unit"), what, hint)
     if response.scale == "percent" and unit != "%":
-        what = f"{result} is in {unit}, and the scale is of percents"
-        yield CaseProblem(("responses", name, "scale"), what, "plain and logarithm are of any unit")
+        what = f"percent is for results in %, and {result} is in {unit}"
+        yield CaseProblem(("responses", name, "scale"), what, "take plain or logarithm")
 
 
 def _wrong_target(name: str, response: ResponseTable) -> Iterator[CaseProblem]:
@@ -423,13 +425,15 @@ def _check_names(file: StudyFile, problems: list[CaseProblem]) -> None:
     """Check that every column of the tables, and every word of a formula, has one meaning."""
     for kind in ("factors", "derived"):
         for name in getattr(file, kind).keys() & set(formulas.CONSTANTS):
-            problems.append(CaseProblem((kind, name), f"{name} is a constant of formulas"))
+            problems.append(
+                CaseProblem((kind, name), f"{name} is a constant of formulas", "take another name")
+            )
     for kind in ("factors", "responses"):
         for name in getattr(file, kind).keys() & set(COLUMNS):
-            hint = f"other names than {', '.join(COLUMNS)} are wanted"
+            hint = f"take another name than {', '.join(COLUMNS)}"
             problems.append(CaseProblem((kind, name), "points.csv has another column of this name", hint))
     for name in file.responses.keys() & file.factors.keys():
-        problems.append(CaseProblem(("responses", name), "a factor has this name, too"))
+        problems.append(CaseProblem(("responses", name), "a factor has the same name", "take another name"))
 
 
 def _check_methods(file: StudyFile, problems: list[CaseProblem]) -> None:
@@ -486,7 +490,9 @@ def _formulas(
     for key, written in file.set.items():
         for other in file.set:
             if key.startswith(f"{other}."):
-                problems.append(CaseProblem(("set", key), f"{other} is set by a formula of its own, too"))
+                problems.append(
+                    CaseProblem(("set", key), f"another formula sets {other}", "remove one of them")
+                )
         texts = (written,) if isinstance(written, str) else written
         try:
             parsed[key] = tuple(map(formulas.parse, texts))
@@ -522,7 +528,7 @@ def _simpler(file: StudyFile, problems: list[CaseProblem]) -> dict[str, ast.expr
         for used in sorted(formulas.names_in(parsed[name]) - free):
             hint = did_you_mean(used, free, "factors that are left")
             problems.append(
-                CaseProblem(key, f'"{used}" is no factor of the simpler design', hint, kind="unknown-name")
+                CaseProblem(key, f'"{used}" is not a factor of the simpler design', hint, kind="unknown-name")
             )
     return parsed
 
@@ -540,9 +546,9 @@ def _chains(file: StudyFile, problems: list[CaseProblem]) -> tuple[tuple[int, ..
                 )
             )
         elif len({file.factors[name].range for name in chain}) > 1:
-            problems.append(CaseProblem(key, "ordered factors must have one range"))
+            problems.append(CaseProblem(key, "ordered factors must have the same range"))
         elif len(set(chain)) < len(chain) or set(chain) & others:
-            problems.append(CaseProblem(key, "a factor stands in it twice, or in another chain"))
+            problems.append(CaseProblem(key, "a factor is in it twice, or in another chain"))
         else:
             chains.append(tuple(numbers[name] for name in chain))
     return tuple(chains)
@@ -559,13 +565,17 @@ def _aims(file: StudyFile, problems: list[CaseProblem]) -> dict[str, Aim]:
         problems.append(CaseProblem(("goals",), "two goals for one response", "leave one of them out"))
     limited = {limit.response for each in limits for limit in each.values()}
     if wanted & limited:
-        problems.append(CaseProblem(("goals",), "a response is a goal and has a limit"))
+        problems.append(CaseProblem(("goals",), "a response is a goal and has a limit", "remove one of them"))
     has_target = any(response.target is not None for response in file.responses.values())
     if not file.goals and not has_target and file.case and file.search.runs != 0:
         hint = 'give a goal, a target of a response, or "search.runs = 0"'
         problems.append(CaseProblem(("goals",), "nothing to search for", hint))
     if sum(len(each) > 1 for each in limits) > 1:
-        problems.append(CaseProblem(("limits",), "more than one limit has several values"))
+        problems.append(
+            CaseProblem(
+                ("limits",), "more than one limit has several values", "give one value to all but one"
+            )
+        )
     aims = {}
     for chosen in itertools.product(*(each.items() for each in limits)):
         of_several = [text for (text, _), each in zip(chosen, limits, strict=True) if len(each) > 1]
@@ -577,8 +587,8 @@ def _goals(file: StudyFile, problems: list[CaseProblem]) -> list[Goal]:
     goals = []
     for place, text in enumerate(file.goals):
         if not (match := GOAL.fullmatch(text.strip())):
-            hint = '"maximise RESPONSE" or "minimise RESPONSE" is wanted'
-            problems.append(CaseProblem(("goals", place), f'"{text}" is no goal', hint, kind="wrong-type"))
+            hint = 'write "maximise RESPONSE" or "minimise RESPONSE"'
+            problems.append(CaseProblem(("goals", place), f'"{text}" is not a goal', hint, kind="wrong-type"))
         elif (number := _response(file, match[2], ("goals", place), problems)) is not None:
             goals.append(Goal(number, 1.0 if match[1].startswith("max") else -1.0))
     return goals
@@ -592,8 +602,8 @@ def _limits(file: StudyFile, place: int, text: str, problems: list[CaseProblem])
     except ValueError:
         values = [math.nan]
     if match is None or not np.isfinite(values).all():
-        hint = '"RESPONSE >= NUMBER" or "RESPONSE <= NUMBER" is wanted'
-        problems.append(CaseProblem(("limits", place), f'"{text}" is no limit', hint, kind="wrong-type"))
+        hint = 'write "RESPONSE >= NUMBER" or "RESPONSE <= NUMBER"'
+        problems.append(CaseProblem(("limits", place), f'"{text}" is not a limit', hint, kind="wrong-type"))
     elif (number := _response(file, match[1], ("limits", place), problems)) is not None:
         scale, sign = file.responses[match[1]].scale, 1.0 if match[2] == ">=" else -1.0
         low, high, range_in_words = POSSIBLE[scale]

@@ -27,7 +27,7 @@ def read_table(study: Study, key: Key = ("table",)) -> list[Outcome]:
     file, path = study.file, study.path(study.file.table)
     try:
         if path.exists() and not path.is_file():  # a pipe would be waited for
-            raise ValueError("it is no file")
+            raise ValueError("it is not a file")
         with warnings.catch_warnings(action="error", category=pd.errors.ParserWarning):
             table = pd.read_csv(path, comment="#", skipinitialspace=True, index_col=False)
             head = pd.read_csv(path, comment="#", skipinitialspace=True, header=None, nrows=1, dtype=str)

@@ -122,4 +122,4 @@ def _trial(file: Path, table: Any) -> Trial:
         predicted = {name: Prediction(*told) for name, told in table.pop("predicted").items()}
         return Trial(**table | {"setting": tuple(table["setting"]), "predicted": predicted})
     except (KeyError, TypeError, AttributeError) as error:
-        raise FolderUnusable(f"{file}: is no trial of a study ({error})") from None
+        raise FolderUnusable(f"{file}: is not a trial of a study ({error})") from None
