@@ -5,14 +5,12 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-import ufl
-from dolfinx import fem, mesh
-from mpi4py import MPI
+from dolfinx import fem
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from adapters.panel.common.moulding import side_of_sag
 from adapters.panel.finite_element import sheet_forms
-from adapters.panel.finite_element.compiled import function_space
+from adapters.panel.finite_element.compiled import function_space, linear_mesh
 from adapters.panel.finite_element.resting_shape import first_guess_m, settle
 from adapters.panel.finite_element.structure import Structure
 from adapters.panel.finite_element.tangent import Tangent
@@ -49,10 +47,8 @@ def resolved(plan, pieces_along, pieces_across):
     half = np.array([pattern.length_m, pattern.width_m]) / 2
     hole = (np.abs(middle[:, None] - centres[None]) < half).all(axis=2).any(axis=1)
     used, cells = np.unique(cells[~hole], return_inverse=True)
-    linear = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell("quadrilateral", geometric_dimension=2), 1))
-    flat = mesh.create_mesh(MPI.COMM_SELF, cells.reshape(-1, 4), points[used], linear)
-    space = function_space(flat, ufl.VectorElement("Lagrange", flat.ufl_cell(), 2, dim=3))
-    scalars = function_space(flat, ufl.FiniteElement("Lagrange", flat.ufl_cell(), 2))
+    flat = linear_mesh("quadrilateral", points[used], cells.reshape(-1, 4))
+    space, scalars = function_space(flat, "Lagrange", 2, 3), function_space(flat, "Lagrange", 2)
     material_m = space.tabulate_dof_coordinates()
     held = np.flatnonzero(~np.isnan(rectangle.end(material_m)))
     bending = sheet_forms.bending(plan, scalars, material_m)

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import ufl
-from dolfinx import mesh
-from mpi4py import MPI
 from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
-from adapters.panel.finite_element.compiled import assembled_matrix, function_space
+from adapters.panel.finite_element.compiled import assembled_matrix, function_space, linear_mesh
 
 POISSON_RATIO = 0.49
 
@@ -19,7 +17,7 @@ def solid_cell(pattern, thickness_m, pieces=((8, 3), (3, 3), 2)):
     volume's part with 2 x 2 x 2 points.  ``pieces`` of (opening, land) along and across, and
     through the thickness."""
     box = _mesh(pattern, thickness_m, pieces)
-    space = function_space(box, ufl.VectorElement("Lagrange", box.ufl_cell(), 2))
+    space = function_space(box, "Lagrange", 2, 3)
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
     mu = 1 / (2 * (1 + POISSON_RATIO))
     bulk = 1 / (3 * (1 - 2 * POISSON_RATIO))
@@ -73,8 +71,7 @@ def _mesh(pattern, thickness_m, pieces):
     middle = points[cells].mean(axis=1)
     hole = (np.abs(middle[:, 0]) < pattern.length_m / 2) & (np.abs(middle[:, 1]) < pattern.width_m / 2)
     used, cells = np.unique(cells[~hole], return_inverse=True)
-    linear = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell("hexahedron", geometric_dimension=3), 1))
-    return mesh.create_mesh(MPI.COMM_SELF, cells.reshape(-1, 8), points[used], linear)
+    return linear_mesh("hexahedron", points[used], cells.reshape(-1, 8))
 
 
 def _lines(size_m, pitch_m, in_opening, in_land):

@@ -58,4 +58,4 @@ def test_missing_package_says_what_to_install(solver):
     assert failed.returncode == 1
     assert "SolverMissing: " in failed.stderr
     assert f"'{solver}'" in failed.stderr.splitlines()[-1]
-    assert "need DOLFINx 0.5" in failed.stderr
+    assert "need DOLFINx 0.5 or 0.9" in failed.stderr

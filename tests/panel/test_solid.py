@@ -28,7 +28,6 @@ pytestmark = pytest.mark.solver
 
 def structure_of(given, held_s_m=None, volumetric_degree=2):
     """A solid with the nodes at s <= ``held_s_m`` held (default: none), and its mass density."""
-    import ufl
     from dolfinx import fem
 
     from adapters.panel.common.solid_grid import solid_grid
@@ -37,7 +36,7 @@ def structure_of(given, held_s_m=None, volumetric_degree=2):
     from adapters.panel.finite_element.structure import Structure
 
     box = solid_forms.box_mesh(solid_grid(given), given.thickness_m)
-    space = function_space(box, ufl.VectorElement("Lagrange", box.ufl_cell(), 2))
+    space = function_space(box, "Lagrange", 2, 3)
     law = solid_forms.law(given, fem.Function(space), volumetric_degree)
     s = space.tabulate_dof_coordinates()[:, 0]
     lowest = -np.inf if held_s_m is None else held_s_m

@@ -28,6 +28,8 @@ FILES = {
     "petscrc": "-log_view :owned",
     "ffcx_parameters.json": '{"scalar_type": "float", "tabulate_tensor_void": true}',
     "dolfinx_jit_parameters.json": '{"cffi_extra_compile_args": ["-Downed", "-x", "none"]}',
+    "ffcx_options.json": '{"scalar_type": "float32", "sum_factorization": true}',
+    "dolfinx_jit_options.json": '{"cffi_extra_compile_args": ["-Downed", "-x", "none"]}',
     "matplotlibrc": "backend: module://owned",
     "in.liggghts": "shell touch owned",
     "gmshrc": "Syntax error;",

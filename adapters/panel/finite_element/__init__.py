@@ -14,6 +14,6 @@ try:
     import dolfinx  # noqa: F401
 except ImportError as missing:
     raise SolverMissing(
-        "the panel solvers 'sheet' and 'solid', and a strip with openings, need DOLFINx 0.5 "
-        f"(Debian 12: python3-dolfinx): {missing}"
+        "the panel solvers 'sheet' and 'solid', and a strip with openings, need DOLFINx 0.5 or 0.9 "
+        f"(Debian: python3-dolfinx): {missing}"
     ) from missing

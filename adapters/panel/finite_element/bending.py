@@ -40,7 +40,7 @@ def plate(stiffness_N_per_m: float, poisson_ratio: float) -> Moment:
 
 def _bilinear_form(trial: Any, test: Any, law: Moment) -> Any:
     """Return the C0 interior penalty form of a plate's bending for one component of the position."""
-    mesh = trial.ufl_domain()
+    mesh = trial.ufl_function_space().ufl_domain()
     normal = ufl.FacetNormal(mesh)
 
     def curvature(w: Any) -> Any:
@@ -75,7 +75,7 @@ def moulded_energy(position: Any, law: Moment, curvature_1_m: Any, across: Any) 
     curvature about ``across``, a fixed unit vector; the sheet's normal is the product of its slope along s
     and ``across``.  Slopes that jump between cells count as in the sheet's own bending.
     """
-    mesh = position.ufl_domain()
+    mesh = position.ufl_function_space().ufl_domain()
     facet = ufl.FacetNormal(mesh)
     gradient = ufl.grad(position)  # (3, 2)
     normal = ufl.cross(gradient[:, 0], across)

@@ -22,18 +22,20 @@ import time
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import IO, Any
 
 import dolfinx.fem.petsc as fem_petsc
+import ufl
 from cffi import VerificationError
-from dolfinx import fem
+from dolfinx import fem, mesh
 from ffcx.codegeneration import jit
-from ffcx.parameters import FFCX_DEFAULT_PARAMETERS
+from mpi4py import MPI
 from scipy.sparse import csr_matrix
 
-from orchestrator.ports import Array
+from adapters.panel.finite_element import dolfinx_versions
+from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import SolverFailed
 
 COMPILE_TIMEOUT_S = 120  # for others to compile, on a file system without locks
@@ -41,9 +43,6 @@ SAID_AFTER_S = 3.0  # of waiting
 GIVEN_UP_AFTER_S = 180.0  # that one process has compiled one form: of 152 the longest took 6 s
 
 _given_up: set[str] = set()  # holders of the lock that this process has waited for in vain
-
-# FFCx would take what is not given from a file in the folder that the program is started in
-CODE = {name: value for name, (value, _) in FFCX_DEFAULT_PARAMETERS.items()}
 
 
 def _processor() -> str:
@@ -63,6 +62,8 @@ def _options() -> dict[str, Any]:
         "cache_dir": home / "fenics" / f"{platform.machine()}-{_processor()}",
         "cffi_extra_compile_args": ["-O3", "-march=native", "-ffast-math", "-g0"],
         "cffi_libraries": ["m"],
+        "cffi_debug": False,
+        "cffi_verbose": False,
         "timeout": COMPILE_TIMEOUT_S,
     }
 
@@ -170,19 +171,32 @@ def _waited_for(lock: IO[str], ready: Callable[[], bool]) -> bool:
 def form(integral: Any) -> Any:
     """Return the compiled form of a UFL integral."""
     with _compiling():
-        return fem.form(integral, form_compiler_params=CODE, jit_params=_options())
+        return fem.form(integral, **dolfinx_versions.compiling(_options()))
 
 
-def expression(value: Any, points: Array) -> Any:
-    """Return the compiled UFL expression at reference ``points`` (n, cell dimension) of each cell."""
+def expression(value: Any, points: Array, domain: Any) -> Callable[..., Array]:
+    """Return the function that evaluates a UFL expression on the mesh ``domain``.
+
+    Its arguments are numbers of cells, and an array to write to if there is one. It returns the values
+    (cells, points * components) at the reference ``points`` (n, cell dimension) of each cell.
+    """
     with _compiling():
-        return fem.Expression(value, points, CODE, _options())
+        compiled = fem.Expression(value, points, **dolfinx_versions.compiling(_options()))
+    return partial(dolfinx_versions.evaluated, compiled, domain)
 
 
-def function_space(mesh: Any, element: Any) -> Any:
-    """Return the finite-element space of a UFL element on a mesh."""
+def function_space(domain: Any, family: str, degree: int, size: int = 0) -> Any:
+    """Return the finite-element space of a family on a mesh: of scalars, or of vectors with ``size``
+    components."""
+    element = dolfinx_versions.element(domain.ufl_cell().cellname(), family, degree, size)
     with _compiling():
-        return fem.FunctionSpace(mesh, element, None, CODE, _options())
+        return dolfinx_versions.space(domain, element, dolfinx_versions.compiling(_options()))
+
+
+def linear_mesh(cell: str, points_m: Array, cells: Indices) -> Any:
+    """Return the mesh of ``cells`` (cells, corners) of one kind between points (n, cell dimension)."""
+    linear = ufl.Mesh(dolfinx_versions.element(cell, "Lagrange", 1, points_m.shape[1]))
+    return mesh.create_mesh(MPI.COMM_SELF, cells, points_m, linear)
 
 
 def assembled_matrix(integral: Any) -> csr_matrix:

@@ -16,6 +16,7 @@ from adapters.panel.common.compiled_body import CompiledBody, kernel
 from adapters.panel.common.compiled_panel import CompiledPanel
 from adapters.panel.common.grid import ElementGrid
 from adapters.panel.finite_element.branch_strain import SHEET_ENTRIES
+from adapters.panel.finite_element.dolfinx_versions import cell_corners
 from adapters.panel.finite_element.elastic_panel import ElasticPanel
 from adapters.panel.finite_element.sheet_forms import membrane_shares, openings
 from adapters.panel.finite_element.structure import Structure
@@ -118,8 +119,7 @@ def _cells(plan: PanelPlan, structure: Structure, grid: ElementGrid) -> dict[str
     flat = structure.space.mesh
     holes = openings(plan, flat)
     solid, rest = membrane_shares(plan, flat, holes)
-    corners = flat.geometry.dofmap.array.reshape(len(solid), -1)
-    cells = _cell_numbers(grid, flat.geometry.x[corners].mean(axis=1))
+    cells = _cell_numbers(grid, flat.geometry.x[cell_corners(flat)].mean(axis=1))
     strain = structure.viscous.entries if structure.viscous else np.tile(SHEET_ENTRIES, (len(solid), 1))
     return {
         "along_m": np.diff(grid.s_m),

@@ -17,6 +17,7 @@ from dolfinx import fem
 from scipy.linalg import eigh
 
 from adapters.panel.finite_element.compiled import function_space
+from adapters.panel.finite_element.dolfinx_versions import cell_corners
 from adapters.panel.finite_element.unit_cell import SOLID, CellStiffness, cell_stiffness
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import AperturePattern
@@ -73,11 +74,10 @@ class Perforated:
 
 def perforate(plan: PanelPlan, apertures: AperturePattern, flat: Any) -> Perforated:
     """Return the perforation on the mesh ``flat`` in material coordinates."""
-    space = function_space(flat, ufl.FiniteElement("DG", flat.ufl_cell(), 0))
+    space = function_space(flat, "DG", 0)
     share = fem.Function(space)
     region = apertures.region_m(plan.rectangle)
-    corners = flat.geometry.dofmap.array.reshape(len(share.x.array), -1)
-    box = flat.geometry.x[corners][:, :, :2]
+    box = flat.geometry.x[cell_corners(flat)][:, :, :2]
     low, high = box.min(axis=1), box.max(axis=1)
     inside = np.clip(np.minimum(high, region[1]) - np.maximum(low, region[0]), 0.0, None)
     share.x.array[:] = (1.0 - apertures.margin_share) * (inside / (high - low)).prod(axis=1)

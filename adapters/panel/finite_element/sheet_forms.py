@@ -20,6 +20,7 @@ from adapters.panel.common.moulding import curvature_amplitude_1_m
 from adapters.panel.finite_element.bending import Bending, Moment, moulded_energy, plate, stiffness_matrix
 from adapters.panel.finite_element.branch_strain import SHEET_ENTRIES, sheet_entries
 from adapters.panel.finite_element.compiled import function_space
+from adapters.panel.finite_element.dolfinx_versions import cell_corners
 from adapters.panel.finite_element.structure import Law, Structure, cell_constants
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import HyperelasticPlan, PanelPlan
@@ -68,8 +69,8 @@ def sheet(plan: PanelPlan) -> tuple[Structure, ElementGrid, Indices]:
     grid = ElementGrid.of(plan.rectangle, plan.cells, region_m)
     flat = flat_mesh(grid)
     holes = openings(plan, flat)
-    space = function_space(flat, ufl.VectorElement("Lagrange", flat.ufl_cell(), 2, dim=3))
-    scalars = function_space(flat, ufl.FiniteElement("Lagrange", flat.ufl_cell(), 2))
+    space = function_space(flat, "Lagrange", 2, 3)
+    scalars = function_space(flat, "Lagrange", 2)
     material_m = space.tabulate_dof_coordinates()
     nodes = grid.numbers_of(material_m)
     held = nodes[~np.isnan(plan.rectangle.end(grid.nodes_m()))]
@@ -167,7 +168,7 @@ def moulding(plan: PanelPlan, position: Any, holes: Perforated | None) -> Any:
     """Return the energy of the moments of the moulded, stress-free curvature of the free length."""
     flat = position.function_space.mesh
     free = cell_constants(flat, 1)
-    s_m = flat.geometry.x[flat.geometry.dofmap.array.reshape(len(free.x.array), -1), 0].mean(axis=1)
+    s_m = flat.geometry.x[cell_corners(flat), 0].mean(axis=1)
     free.x.array[:] = (s_m > 0.0) & (s_m < plan.rectangle.length_m)
     wave = ufl.cos(2 * ufl.pi * ufl.SpatialCoordinate(flat)[0] / plan.rectangle.length_m)
     along_1_m = -curvature_amplitude_1_m(plan) * free[0] * wave

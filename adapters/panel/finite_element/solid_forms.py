@@ -12,13 +12,12 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem, mesh
-from mpi4py import MPI
+from dolfinx import fem
 
 from adapters.panel.common.moulding import curvature_amplitude_1_m
 from adapters.panel.common.solid_grid import PiercedGrid, bearable_grid
 from adapters.panel.finite_element.branch_strain import SOLID_ENTRIES, solid_entries
-from adapters.panel.finite_element.compiled import function_space
+from adapters.panel.finite_element.compiled import function_space, linear_mesh
 from adapters.panel.finite_element.structure import Law, Structure, cell_constants
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import PanelPlan
@@ -38,9 +37,7 @@ def box_mesh(grid: PiercedGrid, thickness_m: float) -> Any:
     height_m = np.array([-0.5, 0.5]) * thickness_m
     places = np.meshgrid(s_m, y_m, height_m, indexing="ij")
     points_m = np.stack(places, axis=-1).reshape(-1, 3)[used]
-    hexahedron = ufl.Cell("hexahedron", geometric_dimension=3)
-    linear = ufl.Mesh(ufl.VectorElement("Lagrange", hexahedron, 1))
-    return mesh.create_mesh(MPI.COMM_SELF, cells.reshape(-1, 8), points_m, linear)
+    return linear_mesh("hexahedron", points_m, cells.reshape(-1, 8))
 
 
 def law(plan: PanelPlan, position: Any, volumetric_degree: int = VOLUMETRIC_DEGREE) -> Law:
@@ -110,7 +107,7 @@ def solid(plan: PanelPlan) -> tuple[Structure, PiercedGrid, Indices]:
     """Make the structure of ``plan``, the grid of its mid-surface, and the node at each of the grid's."""
     grid = bearable_grid(plan)
     box = box_mesh(grid, plan.thickness_m)
-    space = function_space(box, ufl.VectorElement("Lagrange", box.ufl_cell(), 2))
+    space = function_space(box, "Lagrange", 2, 3)
     material_m = space.tabulate_dof_coordinates()
     middle = np.flatnonzero(np.abs(material_m[:, 2]) < 0.1 * plan.thickness_m)
     held = held_nodes(plan, material_m, middle)

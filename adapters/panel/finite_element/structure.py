@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 import ufl
-from basix import make_quadrature  # type: ignore[attr-defined]
-from basix.cell import string_to_type
+from basix import CellType, make_quadrature
 from dolfinx import fem
 
 from adapters.panel.common.maxwell import Branches
@@ -34,7 +33,7 @@ def lumped_mass_kg(space: Any, mass_per_measure: Any) -> Array:
 
 def cell_constants(mesh: Any, values: int) -> Any:
     """Return a field of ``values`` numbers that are constant in each cell."""
-    return fem.Function(function_space(mesh, ufl.VectorElement("DG", mesh.ufl_cell(), 0, dim=values)))
+    return fem.Function(function_space(mesh, "DG", 0, values))
 
 
 @dataclass(frozen=True)
@@ -66,17 +65,15 @@ class ViscousStrain(SavedAttributes):
 
     def __init__(self, law: Law) -> None:
         mesh = law.position.function_space.mesh
-        cell = mesh.ufl_cell()
         size = law.strain.ufl_shape[0]
-        points = ufl.VectorElement("Quadrature", cell, degree=law.degree, quad_scheme="default", dim=size)
         self._measure = ufl.dx(metadata={"quadrature_degree": law.degree, "quadrature_rule": "default"})
         self._strain, self._law = law.strain, law
-        self._history = fem.Function(function_space(mesh, points))
+        self._history = fem.Function(function_space(mesh, "Quadrature", law.degree, size))
         self._share = fem.Constant(mesh, 0.0)
-        reference, weights = make_quadrature(string_to_type(cell.cellname()), law.degree)
-        self._evaluate = expression(law.strain, reference)
+        reference, weights = make_quadrature(getattr(CellType, mesh.ufl_cell().cellname()), law.degree)
+        self._evaluate = expression(law.strain, reference, mesh)
         self._cells = np.arange(mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32)
-        volume = expression(abs(ufl.JacobianDeterminant(mesh)), reference).eval(self._cells)
+        volume = expression(abs(ufl.JacobianDeterminant(mesh)), reference, mesh)(self._cells)
         self._weight = np.repeat((volume * weights).reshape(-1), size)
         self._now = np.zeros((len(self._cells), len(weights) * size))
         self._before = np.zeros(len(self._weight))
@@ -92,9 +89,9 @@ class ViscousStrain(SavedAttributes):
         """Make ``position_m``, which must stand in the field, the relaxed shape."""
         law, cells = self._law, len(self._cells)
         law.entries.x.array[:] = np.tile(law.unscaled, cells)
-        strain = self._evaluate.eval(self._cells, self._now).reshape(cells, -1, law.strain.ufl_shape[0])
+        strain = self._evaluate(self._cells, self._now).reshape(cells, -1, law.strain.ufl_shape[0])
         law.entries.x.array[:] = law.scale(strain.mean(axis=1)).ravel()
-        self._before[:] = self._evaluate.eval(self._cells, self._now).reshape(-1)
+        self._before[:] = self._evaluate(self._cells, self._now).reshape(-1)
 
     @property
     def entries(self) -> Array:
@@ -108,7 +105,7 @@ class ViscousStrain(SavedAttributes):
 
     def end_step(self, position_m: Array) -> None:
         """Accept ``position_m``, which must stand in the field."""
-        now = self._evaluate.eval(self._cells, self._now).reshape(-1)
+        now = self._evaluate(self._cells, self._now).reshape(-1)
         np.subtract(now, self._before, out=self._change)
         self._before[:] = now
         self.branches.end(self._change * self._weight, self._change)

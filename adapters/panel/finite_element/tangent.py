@@ -82,7 +82,7 @@ class Tangent:
         """Form  mass_factor M + stiffness_factor K."""
         matrix, structure = self._matrix, self._structure
         matrix.zeroEntries()
-        fem_petsc.assemble_matrix(matrix, self._form, bcs=self._bcs)  # type: ignore[misc]
+        fem_petsc.assemble_matrix(matrix, self._form, bcs=self._bcs)
         matrix.assemble()
         if structure.bending:
             share = 1.0 + structure.bending.branches.share

@@ -18,13 +18,12 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem, mesh
-from mpi4py import MPI
+from dolfinx import fem
 from scipy.sparse import coo_array, csc_matrix, identity
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from adapters.panel.finite_element.compiled import assembled_matrix, form, function_space
+from adapters.panel.finite_element.compiled import assembled_matrix, form, function_space, linear_mesh
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.meshing import closed_line, gmsh_session, made_triangles
@@ -125,17 +124,12 @@ def _area_m2(points_m: Array, triangles: Indices) -> float:
 
 def _stiffness(triangles: tuple[Array, Indices], sides_m: Array, thickness_m: float, mirrored: bool) -> Array:
     """Return the membrane and the bending stiffness (2, 3, 3) of a cell that repeats, or is ``mirrored``."""
-    cell = _mesh(*triangles)
+    cell = linear_mesh("triangle", *triangles)
     energies = [
         _effective(product, cell, _conditions(size, sides_m, mirrored), size)
         for product, size in ((_membrane, 2), (_bending(cell, thickness_m), 3))
     ]
     return np.array(energies) / float(np.prod(sides_m))
-
-
-def _mesh(points_m: Array, triangles: Indices) -> Any:
-    linear = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell("triangle", geometric_dimension=2), 1))
-    return mesh.create_mesh(MPI.COMM_SELF, triangles, points_m, linear)
 
 
 def _strain(u: Any) -> Any:
@@ -177,7 +171,7 @@ def _bending(cell: Any, thickness_m: float) -> Any:
 def _effective(product: Any, cell: Any, conditions: Callable[[Array], Conditions], size: int) -> Array:
     """Return the energy (3, 3) of the unit strains with the fluctuation that makes it least, among those that
     keep the ``conditions`` of its points (n, 2)."""
-    space = function_space(cell, ufl.VectorElement("Lagrange", cell.ufl_cell(), 2, dim=size))
+    space = function_space(cell, "Lagrange", 2, size)
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
     whole = assembled_matrix(product(u, v))
     loads = np.column_stack([_load(unit, v) for unit in np.eye(3)])
