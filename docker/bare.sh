@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Runs commands on a bare Debian 12, made for them and taken away after them:
+# Runs commands on a bare Debian 12 or 13, made for them and taken away after them:
 #
 #   sudo bash docker/bare.sh                               the README's two commands (this is what CI does)
-#   sudo bash docker/bare.sh 'bash docker/setup.sh && .venv/bin/flipflow --version' ...
+#   sudo bash docker/bare.sh --debian 13 'bash docker/setup.sh && .venv/bin/flipflow --version' ...
 #
-# The tree is what a container from debian:12 is (debootstrap's minbase), in mount and process namespaces of its own,
+# Without --debian it is Debian 12.  The tree is what a container from debian:12 is (debootstrap's minbase), in mount and process namespaces of its own,
 # with a clone of this checkout's last commit, the variables that the Dockerfile sets, and no others.  So this is how
 # the Dockerfile is tried out where there is no container engine.  Of the host it has the processors, the network, and
 # what apt and pip need to get through: Debian's mirror, proxies, certificates, pip's settings and the folders they name.
@@ -14,7 +14,18 @@
 set -euo pipefail
 checkout=$(cd "$(dirname "$0")/.." && pwd)
 
-cannot() { echo "bare.sh: cannot make a bare Debian 12 here: $*" >&2; exit 125; }
+debian=12
+if [ "${1:-}" = --debian ]; then
+    debian=${2:-}
+    shift $(($# < 2 ? $# : 2))
+fi
+case $debian in
+    12) codename=bookworm ;;
+    13) codename=trixie ;;
+    *) echo "bare.sh: --debian takes 12 or 13, not '$debian'" >&2 && exit 2 ;;
+esac
+
+cannot() { echo "bare.sh: cannot make a bare Debian $debian here: $*" >&2; exit 125; }
 say() { echo "bare.sh: $*"; }
 
 commands=("$@")
@@ -67,17 +78,19 @@ run() {
     return $status
 }
 
-mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' 2>/dev/null | head -n1)
+# Debian's sources of the host, which may be another Debian than the tree
+host=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
+sources=$(apt-get indextargets --format 'deb $(REPO_URI) $(CODENAME) $(COMPONENT)' 'Created-By: Packages' 'Origin: Debian' 2>/dev/null |
+    sed "s#/ # #; s# ${host:-none}# $codename#" | grep -E " $codename(-updates|-security)? " | sort -u || true)
+mirror=$(awk -v codename="$codename" '$3 == codename { print $2; exit }' <<<"$sources")
 proxy=$(apt-config shell value Acquire::http::Proxy | sed "s/^value='\(.*\)'$/\1/")
-say "making a bare Debian 12 in $place"
+say "making a bare Debian $debian in $place"
 run env ${proxy:+http_proxy="$proxy"} unshare --mount --pid --fork --kill-child --mount-proc \
-    debootstrap --variant=minbase bookworm "$tree" \
+    debootstrap --variant=minbase "$codename" "$tree" \
     "${mirror:-http://deb.debian.org/debian}" >"$place/log" 2>&1 ||
     cannot "debootstrap failed: $(tail -n1 "$place/log")"
 
 # What apt, pip and git need to get through; of the host's sources Debian's own alone
-sources=$(apt-get indextargets --format 'deb $(REPO_URI) $(CODENAME) $(COMPONENT)' 'Created-By: Packages' 'Origin: Debian' |
-    sed 's#/ # #' | grep -E ' bookworm(-updates|-security)? ' | sort -u || true)
 [ -z "$sources" ] || echo "$sources" >"$tree/etc/apt/sources.list"
 cp -a /etc/apt/auth.conf /etc/apt/auth.conf.d "$tree/etc/apt/" 2>/dev/null || true
 apt-config dump | grep '^Acquire::' >"$tree/etc/apt/apt.conf.d/90host" || true

@@ -12,22 +12,25 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 DIRECTLY = ["setup.sh", "flipflow run cases/quickstart", "setup.sh", "python -m pytest"]
+THIRTEEN = "bare.sh --debian 13"
 
 
 @pytest.mark.process
 @pytest.mark.parametrize(
-    ("bare", "code", "loud", "directly"),
+    ("bare", "thirteen", "code", "loud", "ran"),
     [
-        (0, 0, False, []),
-        (1, 1, False, []),  # a test failed there: that is the answer
-        (125, 0, True, DIRECTLY),
+        (0, 0, 0, False, ["bare.sh", THIRTEEN]),
+        (0, 1, 1, False, ["bare.sh", THIRTEEN]),
+        (0, 125, 125, False, ["bare.sh", THIRTEEN]),  # no Debian 13 is a failure
+        (1, 0, 1, False, ["bare.sh"]),  # a test failed there: that is the answer
+        (125, 0, 0, True, ["bare.sh", *DIRECTLY, THIRTEEN]),
     ],
 )
 def test_ci_runs_everything_once(
-    tmp_path: Path, bare: int, code: int, loud: bool, directly: list[str]
+    tmp_path: Path, bare: int, thirteen: int, code: int, loud: bool, ran: list[str]
 ) -> None:
     for program, does in (
-        ("docker/bare.sh", f"exit {bare}"),
+        ("docker/bare.sh", f"echo bare.sh ${{@:1:2}}; [ $# = 0 ] && exit {bare} || exit {thirteen}"),
         ("docker/setup.sh", "echo setup.sh"),
         (".venv/bin/flipflow", 'echo flipflow "$@"'),
         (".venv/bin/python", 'echo python "$@"'),
@@ -41,7 +44,7 @@ def test_ci_runs_everything_once(
     done = subprocess.run(["bash", ".ci/run"], cwd=tmp_path, capture_output=True, encoding="utf-8")
     assert done.returncode == code
     assert ("NOT ON A BARE MACHINE" in done.stderr) == loud
-    assert done.stdout.splitlines() == directly
+    assert done.stdout.splitlines() == ran
 
 
 @pytest.mark.process
@@ -59,6 +62,13 @@ def test_a_bare_machine_is_for_root() -> None:
         done = subprocess.run(words, capture_output=True, encoding="utf-8", cwd="/")
     assert done.returncode == 125
     assert done.stderr == "bare.sh: cannot make a bare Debian 12 here: that needs root\n"
+
+
+@pytest.mark.process
+def test_a_debian_that_is_not_known_is_refused() -> None:
+    words = ["bash", str(ROOT / "docker/bare.sh"), "--debian", "11", "true"]
+    done = subprocess.run(words, capture_output=True, encoding="utf-8")
+    assert (done.returncode, done.stderr) == (2, "bare.sh: --debian takes 12 or 13, not '11'\n")
 
 
 def test_the_readme_s_two_commands_are_found() -> None:

@@ -90,11 +90,27 @@ def _debian_versions() -> dict[str, str]:
     return dict(line.split() for line in output.splitlines() if line.count(" ") == 1)
 
 
+def debian_pins() -> str:
+    """Return the name of the file in ``docker/`` that pins the distributions of this release of Debian."""
+    return f"debian{_release()}.txt"
+
+
+@cache
+def _release() -> str:
+    """Return the number of this release of Debian, or an empty string elsewhere."""
+    try:
+        return platform.freedesktop_os_release().get("VERSION_ID", "")
+    except OSError:
+        return ""
+
+
 def pins() -> dict[tuple[str, str], str]:
     """Return the pinned versions, by origin and name; nothing outside of a checkout."""
+    of_pypi = ("constraints.txt", f"constraints{_release()}.txt")
     return {
         (origin, normalise(name)): version
-        for origin, file in ((DEBIAN, PINS / "debian.txt"), (PYPI, PINS / "constraints.txt"))
+        for origin, files in ((DEBIAN, (debian_pins(),)), (PYPI, of_pypi))
+        for file in (PINS / name for name in files)
         if file.is_file()
         for name, version in re.findall(r"^([\w.-]+)==(\S+)", file.read_text(), re.MULTILINE)
     }
@@ -116,7 +132,7 @@ def departures(known: dict[str, Distribution] | None = None) -> list[str]:
         if one.origin != CHECKOUT and (version := pinned.get((one.origin, one.name))) != one.version
     ]
     missing = [name for origin, name in pinned if origin == DEBIAN and name not in known]
-    return sentences + [f"{name} is not there, docker/debian.txt names it" for name in missing]
+    return sentences + [f"{name} is not there, docker/{debian_pins()} names it" for name in missing]
 
 
 def warnings() -> list[str]:

@@ -39,14 +39,14 @@ def drives(folder: Path) -> list[str]:
                 for what in ("displacement_m", "rotation_rad")
             )
             values = {
-                "speed_rad_per_s": repr(speed_rad_per_s),
+                "speed_rad_per_s": repr(float(speed_rad_per_s)),
                 "center_m": _list(np.array(frame.recorded_point_m)),
                 "amplitude_m": _list(np.abs(moved)),
                 # drives have the phases of sines, first_harmonic those of cosines
                 "phase_rad": _list(np.angle(moved) + np.pi / 2),
                 "rotation_rad": _list(np.abs(turned)),
                 "rotation_phase_rad": _list(np.angle(turned) + np.pi / 2),
-                "run_up_s": repr(max(machine.run_up_s, cycle_s)),
+                "run_up_s": repr(float(max(machine.run_up_s, cycle_s))),
             }
             table = ", ".join(f"{key} = {value}" for key, value in values.items())
             overlays.append(f"screen.frames.{name}.drive={{{table}}}")
