@@ -122,6 +122,14 @@ def test_what_is_not_there_is_said() -> None:
     assert {"petsc4py", f"docker/{known.debian_pins()}"} <= {*sentence.split()}
 
 
+@pytest.mark.process
+def test_what_setuptools_brings_along_belongs_to_it() -> None:
+    """On Debian 13 setuptools, which compiles forms, adds a folder of its own to the path."""
+    code = "import setuptools; from orchestrator.case.provenance import departures; print(departures())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, encoding="utf-8", cwd=CHECKOUT)
+    assert done.stdout == "[]\n"
+
+
 def test_a_folder_on_the_path_does_not_go_unsaid(tmp_path: Path) -> None:
     """PYTHONPATH brings a distribution that nobody pinned: a run says it."""
     info = tmp_path / "pandas-1.5.3.dist-info"

@@ -44,10 +44,12 @@ class Distribution:
 def distributions() -> dict[str, Distribution]:
     """Return every distribution on the import path, by name.
 
-    If two have the same name, the distribution that Python imports is returned.
+    If two have the same name, the distribution that Python imports is returned.  What setuptools brings along
+    in a folder of its own, which it adds to the path when it is imported, is part of setuptools.
     """
     known: dict[str, Distribution] = {}
-    for installed in metadata.distributions():
+    path = [folder for folder in sys.path if not folder.endswith("setuptools/_vendor")]
+    for installed in metadata.distributions(path=path):
         about = installed.metadata  # read from its file each time
         name = normalise(about["Name"] or "")
         known.setdefault(name, Distribution(name, about["Version"], *_origin(installed)))
@@ -182,7 +184,7 @@ def versions() -> dict[str, str | None]:
     known = distributions()
     return {
         **{name: known[name].version if name in known else None for name in PACKAGES},
-        "libliggghts3": debian_version("libliggghts3"),  # LIGGGHTS does not tell its own version.
+        "liggghts": debian_version("liggghts"),  # it does not tell its own version
     }
 
 

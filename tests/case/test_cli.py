@@ -148,4 +148,4 @@ def test_version_names_what_the_program_stands_on() -> None:
     assert done.exit_code == 0
     versions = dict(line.split(maxsplit=1) for line in done.output.splitlines())
     assert versions["numpy"] == numpy.__version__
-    assert {"flipflow", "exudyn", "libliggghts3", "commit"} <= set(versions)
+    assert {"flipflow", "exudyn", "liggghts", "commit"} <= set(versions)
