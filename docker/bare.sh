@@ -4,10 +4,11 @@
 #   sudo bash docker/bare.sh                               the README's two commands (this is what CI does)
 #   sudo bash docker/bare.sh --debian 13 'bash docker/setup.sh && .venv/bin/flipflow --version' ...
 #
-# Without --debian it is Debian 12.  The tree is what a container from debian:12 is (debootstrap's minbase), in mount and process namespaces of its own,
-# with a clone of this checkout's last commit, the variables that the Dockerfile sets, and no others.  So this is how
-# the Dockerfile is tried out where there is no container engine.  Of the host it has the processors, the network, and
-# what apt and pip need to get through: Debian's mirror, proxies, certificates, pip's settings and the folders they name.
+# Without --debian it is Debian 12.  The tree is what a container from debian:12 or debian:13 is (debootstrap's minbase),
+# in mount and process namespaces of its own, with a clone of this checkout's last commit, the variables that the
+# Dockerfile sets, and no others.  So this is how the Dockerfile is tried out where there is no container engine.  Of the
+# host it has the processors, the network, and what apt and pip need to get through: Debian's mirror, proxies,
+# certificates, pip's settings and the folders they name.
 #
 # Exit code: that of the first command that fails, 0 if none does; 125 if no tree can be made here, with the reason,
 # and nothing was run.  The tree is in TMPDIR or /var/tmp (5 GB while the tests run).

@@ -13,27 +13,31 @@ import pytest
 ROOT = Path(__file__).parents[1]
 DIRECTLY = ["setup.sh", "flipflow run cases/quickstart", "setup.sh", "python -m pytest"]
 THIRTEEN = "bare.sh --debian 13"
+NOT_BARE_12 = "NOT ON A BARE DEBIAN 12"
+NOTHING_ON_13 = "NOTHING RAN ON DEBIAN 13"
 
 
 @pytest.mark.process
 @pytest.mark.parametrize(
-    ("bare", "thirteen", "code", "loud", "ran"),
+    ("twelve", "here", "thirteen", "code", "loud", "ran"),
     [
-        (0, 0, 0, False, ["bare.sh", THIRTEEN]),
-        (0, 1, 1, False, ["bare.sh", THIRTEEN]),
-        (0, 125, 125, False, ["bare.sh", THIRTEEN]),  # no Debian 13 is a failure
-        (1, 0, 1, False, ["bare.sh"]),  # a test failed there: that is the answer
-        (125, 0, 0, True, ["bare.sh", *DIRECTLY, THIRTEEN]),
+        (0, 0, 0, 0, (), ["bare.sh", THIRTEEN]),
+        (0, 0, 1, 1, (), ["bare.sh", THIRTEEN]),
+        (0, 0, 125, 125, (NOTHING_ON_13,), ["bare.sh", THIRTEEN]),
+        (1, 0, 0, 1, (), ["bare.sh"]),  # a test failed there: that is the answer
+        (125, 0, 0, 0, (NOT_BARE_12,), ["bare.sh", *DIRECTLY, THIRTEEN]),
+        (125, 0, 125, 125, (NOT_BARE_12, NOTHING_ON_13), ["bare.sh", *DIRECTLY, THIRTEEN]),
+        (125, 1, 125, 1, (NOT_BARE_12,), ["bare.sh", *DIRECTLY]),
     ],
 )
 def test_ci_runs_everything_once(
-    tmp_path: Path, bare: int, thirteen: int, code: int, loud: bool, ran: list[str]
+    tmp_path: Path, twelve: int, here: int, thirteen: int, code: int, loud: tuple[str, ...], ran: list[str]
 ) -> None:
     for program, does in (
-        ("docker/bare.sh", f"echo bare.sh ${{@:1:2}}; [ $# = 0 ] && exit {bare} || exit {thirteen}"),
+        ("docker/bare.sh", f"echo bare.sh ${{@:1:2}}; [ $# = 0 ] && exit {twelve} || exit {thirteen}"),
         ("docker/setup.sh", "echo setup.sh"),
         (".venv/bin/flipflow", 'echo flipflow "$@"'),
-        (".venv/bin/python", 'echo python "$@"'),
+        (".venv/bin/python", f'echo python "$@"; exit {here}'),
     ):
         file = tmp_path / program
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -43,7 +47,7 @@ def test_ci_runs_everything_once(
     shutil.copy(ROOT / ".ci/run", tmp_path / ".ci/run")
     done = subprocess.run(["bash", ".ci/run"], cwd=tmp_path, capture_output=True, encoding="utf-8")
     assert done.returncode == code
-    assert ("NOT ON A BARE MACHINE" in done.stderr) == loud
+    assert tuple(words for words in (NOT_BARE_12, NOTHING_ON_13) if words in done.stderr) == loud
     assert done.stdout.splitlines() == ran
 
 

@@ -164,7 +164,7 @@ def test_a_rank_that_is_killed_takes_the_others_with_it(tmp_path: Path) -> None:
     assert time.monotonic() - killed < ENDED_S
     assert run.returncode == 128 + signal.SIGKILL, output
     assert "Traceback" not in output
-    assert "exited on signal 9 (Killed)" in output
+    assert "exited on signal 9 (Killed)" in " ".join(output.split())  # Open MPI 5 breaks the line
     wait_until(lambda: of(folder) == [] and not is_at_work(folder))
     with h5py.File(folder / "history.h5") as history:
         assert len(history["energy/time_s"]) >= 2
