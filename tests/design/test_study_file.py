@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -269,7 +270,7 @@ def test_formulas_become_values_of_the_cases_keys(tmp_path: Path) -> None:
     study = belt(tmp_path, **changes)
     at = study.overlays({"slope": 10.0, "stroke": 6.0})
     assert at[:3] == ["output.pictures=false", "screen.inclination_deg=10.0", "screen.stroke_m=0.006"]
-    assert at[3] == f"screen.line={[0.0, 2 * np.radians(10.0) / np.pi, -6.0]}"
+    assert at[3] == f"screen.line={[0.0, 2 * math.radians(10.0) / math.pi, -6.0]}"
 
 
 def test_a_limit_of_several_values_makes_an_aim_of_each(tmp_path: Path) -> None:
