@@ -24,7 +24,7 @@ from orchestrator.output.report import page
 from orchestrator.output.report.page import Film
 from orchestrator.run import ending, run
 
-MEMORY_BYTES = 4 * 1024**3  # of addresses; the libraries alone take 1.5
+MEMORY_BYTES = 5 * 1024**3 // 2  # of addresses, besides those of the process that asks
 PROCESSOR_S = 60  # the dearest check, of 140 000 triangles, takes 15
 HANG_S = 600.0  # of the clock on the wall: the machine may have other work
 INTERVALS = 3  # of a run
@@ -64,7 +64,8 @@ def _be(words: Sequence[str], place: Path) -> None:
         os.chdir(place)
         (place.parent / "tmp").mkdir(exist_ok=True)
         os.environ |= {"TMPDIR": str(place.parent / "tmp"), "COLUMNS": "100"}
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
+        most_bytes = _addresses_bytes() + MEMORY_BYTES
+        resource.setrlimit(resource.RLIMIT_AS, (most_bytes, most_bytes))
         resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_S, PROCESSOR_S))
         code = _main(words)
     except BaseException:
@@ -73,6 +74,11 @@ def _be(words: Sequence[str], place: Path) -> None:
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(code)
+
+
+def _addresses_bytes() -> int:
+    """Return the size of this process's address space."""
+    return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
 
 
 def _main(words: Sequence[str]) -> int:
