@@ -65,8 +65,8 @@ def test_shapes_are_divided(tmp_path: Path) -> None:
         ("bed.shapes.hole.spheres=[[0, 0, 0, -1]]", ["hole.spheres.0.3", "-1", "greater than 0"]),
         ("bed.shapes.rod.spheres=[[0, 0, 0, 1]]", ["bed.shapes.rod", "take another one"]),
         (f"bed.shapes.many.spheres={[[0, 0, k, 1] for k in range(65)]}", ["many.spheres", "more than 64"]),
-        ("bed.shape_divisions=0", ["bed.shape_divisions: 0 is wrong"]),
-        ("bed.shape_divisions=65", ["bed.shape_divisions: 65 is wrong"]),
+        ("bed.shape_divisions=0", ["bed.shape_divisions: must be at least 1"]),
+        ("bed.shape_divisions=65", ["bed.shape_divisions: must be at most 64"]),
     ],
 )
 def test_bad_shapes_are_one_message_each(tmp_path: Path, given: str, words: list[str]) -> None:

@@ -71,9 +71,9 @@ def test_one_text_in_all_its_codes(code: str) -> None:
         (b"PK\x03\x04\x14\x00", "CSV"),
         (b"\xd0\xcf\x11\xe0\xa1", "CSV"),
         (b"\x1f\x8b\x08\x00", "unpack"),
-        (b"PAR1\x15\x04\x15\x00\x00", "no text"),
-        (b"a,b\n1,\x00\x812\n", "no text"),
-        (b"\xff\xfea", "no text"),
+        (b"PAR1\x15\x04\x15\x00\x00", "not text"),
+        (b"a,b\n1,\x00\x812\n", "not text"),
+        (b"\xff\xfea", "not text"),
     ],
 )
 def test_what_is_no_text_is_refused(data: bytes, clue: str) -> None:

@@ -96,7 +96,7 @@ def test_the_resolved_case_holds_the_branches_and_check_compares_them(tmp_path: 
     again = resolved_case(case)["materials"]["PU"]["hyperelastic"]
     assert [row["ratio"] for row in again["maxwell"]] == [row.ratio for row in law.maxwell]
     lines = "\n".join(overview(case))
-    assert "PU: loss factor of 3 branches (measured): " in lines
+    assert "PU: loss factor of 3 Maxwell branches (measured): " in lines
     assert "(0.12) at 300 Hz" in lines
 
 
@@ -108,7 +108,7 @@ def test_given_branches_are_not_fitted_again(tmp_path: Path) -> None:
     law = case.case.materials["PU"].hyperelastic
     assert law is not None
     assert [row.ratio for row in law.maxwell] == [1.02 * g for g, _ in fit.branches]
-    assert "PU: loss factor of 3 branches" in "\n".join(overview(case))
+    assert "PU: loss factor of 3 Maxwell branches" in "\n".join(overview(case))
 
 
 def test_branches_that_do_not_meet_the_curve_are_refused(tmp_path: Path) -> None:

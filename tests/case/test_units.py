@@ -184,12 +184,12 @@ def test_a_fraction_is_told_as_a_decimal(text: str, key: str, value: str) -> Non
 
 def test_a_unit_is_not_guessed_at_where_one_was_given(tmp_path: Path) -> None:
     """A number without a unit, in a later layer, is guessed at again."""
-    key, problem = "screen.panels.deck.thickness_m", "0.5 is out of the range 0.0002 to 0.05"
+    key, problem = "screen.panels.deck.thickness_m", "0.5 is out of the range 0.0002 to 0.05 m"
     assert only_complaint(tmp_path, f"{key}=500 mm").endswith(f"{key}: {problem}")
     assert kinds(tmp_path, f"{key}=0.5") == ["screen.panels.deck.thickness_m: out-of-range"]
     assert kinds(tmp_path, f"{key}=500 mm", f"{key}=0.5") == ["screen.panels.deck.thickness_m: out-of-range"]
     in_list = only_complaint(tmp_path, 'gravity_m_per_s2=["0 m/s2", 0, "-98100 cm/s2"]')
-    assert in_list.endswith("-981 is out of the range up to 100")
+    assert in_list.endswith("-981 is out of the range up to 100 m/s2")
 
 
 def test_units_of_keys_that_no_table_has_are_named(tmp_path: Path) -> None:
