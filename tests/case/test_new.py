@@ -208,9 +208,9 @@ def test_the_impossible_is_refused_with_all_reasons(
     ("option", "given", "others", "offered"),
     [
         ("length", "0.3 m", {"opening": "2 mm", "throughput": "4 t/h"}, r"at least (\S+ m)"),
-        ("stroke", "18 mm", {}, r"up to (\S+ mm)"),
-        ("stroke", "19 mm", {"length": "1 m", "speed": "300 rpm"}, r"up to (\S+ mm)"),
-        ("throughput", "974 t/h", {}, r"carries (\S+ t/h)"),
+        ("stroke", "18 mm", {}, r"at most (\S+ mm)"),
+        ("stroke", "19 mm", {"length": "1 m", "speed": "300 rpm"}, r"at most (\S+ mm)"),
+        ("throughput", "974 t/h", {}, r"at most (\S+ t/h)"),
         ("speed", "-1 rpm", {}, r"range (\S+) to \S+ (rpm)"),
         ("speed", "1 GHz", {"stroke": "0.5 mm"}, r"range \S+ to (\S+) (GHz)"),
     ],

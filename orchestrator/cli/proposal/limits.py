@@ -96,7 +96,7 @@ def _shaking(wishes: Wishes) -> Iterator[CaseProblem]:
     largest_m = LARGEST_SHAKE_G * STANDARD_GRAVITY_M_PER_S2 / wishes.speed_rad_per_s**2 / share
     if wishes.stroke_m > largest_m:
         shake_g = LARGEST_SHAKE_G * wishes.stroke_m / largest_m
-        what = f"{1e3 * wishes.stroke_m:.3g} mm at this speed accelerate the driven frame to {shake_g:.2g} g"
+        what = f"{1e3 * wishes.stroke_m:.3g} mm at this speed accelerates the driven frame to {shake_g:.2g} g"
         yield problem("stroke", what, f"give at most {down(1e3 * largest_m):g} mm, or a lower --speed")
 
 
