@@ -399,7 +399,7 @@ def test_a_crank_moves_each_frame_by_half_of_the_stroke() -> None:
     answers = {"stroke": "20 mm", "speed": "900 rpm", "length": "2 m"}
     assert find_refusals("crank-link", answers) == []
     (refusal,) = find_refusals("flip-flow", answers)
-    assert "with 24 g" in str(refusal)
+    assert "to 24 g" in str(refusal)
 
 
 def test_what_is_thrown_beyond_the_end_is_oversize() -> None:

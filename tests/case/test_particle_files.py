@@ -178,7 +178,7 @@ def test_a_file_for_paraview_that_ends_too_early(tmp_path: Path) -> None:
         ),
         (DUMP.replace("radius\n7", "fuzz\n7"), r"\"sieve_size_m\"; have it written"),
         (DUMP.replace("ATOMS\n2", "ATOMS\n3"), "2 of 3"),
-        (DUMP.replace("radius\n7", "shapex\n7"), "no spheres"),
+        (DUMP.replace("radius\n7", "shapex\n7"), "not spheres"),
         (DUMP.replace("ITEM: TIMESTEP\n100", "ITEM: UNITS\nlj\nITEM: TIMESTEP\n100"), '"lj"'),
         (DATA.replace("# granular", ""), "Atoms # sphere"),
         (DATA.replace("# granular", "# atomic"), '"atomic"'),
