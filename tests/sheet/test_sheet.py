@@ -133,7 +133,7 @@ def test_check_warns_of_a_small_deck_at_the_case_s_own_rate() -> None:
     assert duty is not None
     assert duty.fed_kg_per_s == pytest.approx(40.0)
     (warning,) = too_small_decks(duty)
-    assert "the deck is too small: 144 t/h want" in warning
+    assert "the deck is too small: 144 t/h need" in warning
     assert warning in warnings(judged)
     lines = {line.name: line for line in sheet(scene(judged.case.original), rates)}
     assert lines["required area"].values["area_m2"] == pytest.approx(1.92)
