@@ -16,7 +16,11 @@ def test_all_mistakes_in_one_message_and_nothing_written(tmp_path: Path) -> None
     assert done.returncode == 2
     said_plainly(done)
     assert done.stderr.startswith("3 problems in the case:\n")
-    for text in ("duration_s: must be greater than 0, not -1", 'did you mean "rigid"', 'did you mean "sync_interval_s"'):
+    for text in (
+        "duration_s: must be greater than 0, not -1",
+        'did you mean "rigid"',
+        'did you mean "sync_interval_s"',
+    ):
         assert text in done.stderr
     assert list(tmp_path.iterdir()) == []
 
