@@ -114,7 +114,9 @@ def program(
 RunPath = Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")]
 RunPaths = Annotated[list[Path], typer.Argument(metavar="RUN...", help="folders of runs or studies")]
 AsJson = Annotated[bool, typer.Option("--json", help="JSON on standard output")]
-Out = Annotated[Path | None, typer.Option("--out", help="new folder [default: runs/<case>-<number>]")]
+Out = Annotated[
+    Path | None, typer.Option("--out", help="new folder for the results [default: runs/<case>-<number>]")
+]
 
 
 @app.command()
@@ -124,13 +126,19 @@ def run(
     out: Out = None,
     overrides: Overrides = None,
     trial_s: Annotated[
-        float, typer.Option(min=0, help="time to try half the interval, if advised; 0: none")
+        float,
+        typer.Option(
+            min=0, help="time to try half the sync interval where a shorter one is advised; 0: none"
+        ),
     ] = 60.0,
 ) -> None:
-    """Run a case into a new folder, if it is right.
+    """Run a case.
 
-    Ctrl-C ends the run at the next sync point with all results, to be resumed; a second one ends it at once.
-    mpirun wants SIGUSR1 instead (kill -USR1), as root --allow-run-as-root, on a busy machine
+    The case is checked first; nothing is written if it is wrong. docs/run-folder.md says what the folder
+    holds.
+
+    Ctrl-C ends the run at the next sync point with all results, to be resumed; a second Ctrl-C ends it at
+    once. mpirun wants SIGUSR1 instead (kill -USR1), as root --allow-run-as-root, and on a busy machine
     --mca mpi_yield_when_idle 1.
     """
     from orchestrator.cli.launch import run as launch
@@ -148,8 +156,8 @@ def resume(
 ) -> None:
     """Go on with a run from its last checkpoint.
 
-    On as many processes, it is bit for bit the run that never stopped.  It may get a later end
-    (--set duration_s=...) and other output at the same intervals, nothing else.
+    The resumed run is bit for bit the run that never stopped, on the same number of processes.  It may get a
+    later end (--set duration_s=...) and other output at the same intervals; any other change is refused.
     """
     from orchestrator.cli.launch import resume as go_on
 
@@ -160,8 +168,10 @@ def resume(
 def check(
     case: CasePath,
     level: Level = None,
-    detail: Annotated[bool, typer.Option("--detail", help="all limits of the sync interval")] = False,
-    ranks: Annotated[int | None, typer.Option(min=1, max=64, help="most MPI ranks to predict")] = None,
+    detail: Annotated[bool, typer.Option("--detail", help="all that limits the sync interval")] = False,
+    ranks: Annotated[
+        int | None, typer.Option(min=1, max=64, help="predict the wall time on up to so many MPI ranks")
+    ] = None,
     as_json: AsJson = False,
     html: Annotated[
         Path | None, typer.Option("--html", metavar="PAGE", help="page to write, with drawings")
@@ -170,9 +180,10 @@ def check(
 ) -> None:
     """Check a case without running it, and print what is in it.
 
-    --ranks predicts the wall time of mpirun -n N flipflow run on one computer, with a core for each rank.
+    --ranks predicts the wall time of mpirun -n N flipflow run on more and more ranks of one computer, each
+    on a core of its own, and says beyond how many they no longer pay.
 
-    Exit code 2: the case cannot be run; the message has every problem.
+    Exit code 2: the case cannot be run, and one message has every problem.
     """
     from orchestrator.cli.overview import overview
     from orchestrator.preflight.cost import particles_at_start
@@ -205,12 +216,15 @@ def check(
 def show(
     case: CasePath,
     level: Level = None,
-    out: Annotated[Path | None, typer.Option("--out", help="folder [default: runs/<case>-machine]")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="folder for the files [default: runs/<case>-machine]")
+    ] = None,
     overrides: Overrides = None,
 ) -> None:
     """Draw the machine of a case, without a solver.
 
-    It writes views, openings (PNG, SVG), modes.svg (animated), model.html (to turn about) and machine.html.
+    The files are views, openings (PNG and SVG), modes.svg (animated), model.html (to turn about) and
+    machine.html (all of it).  Only problems in the tables matter: exit code 2.
     """
     from orchestrator.cli.show import show as write_views
     from orchestrator.preflight.check import find_table_problems
@@ -234,21 +248,23 @@ def explain(
     results: Annotated[
         str | None,
         typer.Option(
-            "--for", metavar="NAMES", help="short names of results that decide (efficiency,stroke,...)"
+            "--for", metavar="NAMES", help="short names of results (efficiency,stroke,...) that decide"
         ),
     ] = None,
     budget: Annotated[
-        float, typer.Option(min=0, help="with --for: processor s for all runs; one gets a quarter")
+        float,
+        typer.Option(min=0, help="with --for: processor time for all runs / s; one run gets a quarter of it"),
     ] = 300.0,
     as_json: AsJson = False,
     overrides: Overrides = None,
 ) -> None:
     """Print which effects a case calls for, by estimates, without a solver.
 
-    Each effect has the number that decides, its threshold, the verdict and the key.
+    A table has each effect, the number that decides, its threshold, the verdict and the key; lines name
+    what is lacking or may be left out. flipflow study accuracy replaces estimates by measurements.
 
     With --for, short runs with and without an effect decide by the change of these results, unless an
-    estimate is sure.  They are remembered.
+    estimate is sure that it may be left out; of those the cheapest is tried, too.  The runs are remembered.
     """
     from orchestrator.cli.explain import print_explanation
     from orchestrator.preflight.check import find_table_problems
@@ -262,7 +278,10 @@ def explain(
 
 @app.command()
 def report(run: RunPath) -> None:
-    """Make one HTML page about a run, with figures, tables and a film of the deck: RUN/report.html."""
+    """Make one HTML page about a run: RUN/report.html.
+
+    It has all figures, tables and a film of the deck, and stands alone.
+    """
     from orchestrator.output.report.page import report as make_report
 
     with reported_errors():
@@ -273,13 +292,13 @@ def report(run: RunPath) -> None:
 def results(
     runs: RunPaths,
     out: Annotated[
-        Path | None, typer.Option("--out", help=".csv or .parquet [default: CSV is printed]")
+        Path | None, typer.Option("--out", help="file to write, .csv or .parquet [default: CSV is printed]")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Write the results of runs as a tidy table: one row for each result of each run.
 
-    Columns: run, case, level, status, result, kind, value, half_width (95 %), unit.
+    The columns are run, case, level, status, result, kind, value, half_width (95 %) and unit.
     """
     from orchestrator.cli.results import print_results
 
@@ -297,8 +316,10 @@ def loads(
 ) -> None:
     """Write the loads on a frame over time, for a program that computes its strength.
 
-    The run needs output.loads_s.  All forces, gravity and inertia are in balance, in deck axes that move with
-    the frame (README.txt).  csv: one table; calculix: *AMPLITUDE and *CLOAD on node sets; apdl: tables and F.
+    The run needs output.loads_s.  The forces of clamps, stops, walls, bushings and exciters with their
+    places, gravity and inertia are in balance, in deck axes that move with the frame;
+    README.txt explains them.  csv: one table; calculix: *AMPLITUDE and *CLOAD on node sets; apdl: tables and
+    F on nodes.
     """
     from orchestrator.cli.loads import export
 
@@ -313,7 +334,11 @@ def compare(
     out: Annotated[Path | None, typer.Option("--out", help="HTML page to write")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Compare runs with the first of them: keys, results with intervals, and what is more than chance."""
+    """Compare runs with the first of them.
+
+    Tables show keys that differ, and results with intervals, changes, and whether these are more than
+    chance; the page has plots and pictures, too.
+    """
     from orchestrator.cli.compare import print_comparison
 
     print_comparison(runs, out, as_json)
@@ -329,7 +354,7 @@ def list_cases(
 ) -> None:
     """List cases with their titles and levels.
 
-    The program's own run from every folder: flipflow run quickstart.
+    The program's own run by name from every folder: flipflow run quickstart.
     """
     if folder is not None and not folder.is_dir():
         refuse(f"{folder}: no such folder; name the one that holds your cases: flipflow list FOLDER")
@@ -346,11 +371,15 @@ def list_cases(
 @app.command()
 def materials(
     name: Annotated[
-        list[str] | None, typer.Argument(metavar="[NAME]", help="as moist limestone or rubber 60 Shore A")
+        list[str] | None,
+        typer.Argument(metavar="[NAME]", help="a material, such as moist limestone or rubber 60 Shore A"),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """List the library of materials, or explain one: numbers, ranges, sources and contacts."""
+    """List the library of materials, or explain one: numbers, ranges, sources and contacts.
+
+    A case takes a material by its name: material = "limestone".
+    """
     from orchestrator.cli import materials as library
 
     named = library.find_or_refuse(" ".join(name)) if name else None
@@ -366,23 +395,30 @@ def materials(
 @app.command()
 def bushing(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="tables of tests, or loops")],
-    out: Annotated[Path, typer.Option("--out", help=".png or .svg")] = Path("bushing.png"),
+    out: Annotated[Path, typer.Option("--out", help="picture to write, .png or .svg")] = Path("bushing.png"),
     column: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=CLEAR NAME", help="what a column is, as in curves.columns; repeatable"),
+        typer.Option(
+            metavar="NAME=CLEAR NAME",
+            help="what a column is, as curves.columns says it in a case; may be repeated",
+        ),
     ] = None,
     decimal: Annotated[
         str, typer.Option(metavar="MARK", help="decimal mark, where files leave it open")
     ] = "",
     frequency: Annotated[
-        str | None, typer.Option(metavar="F", help='of loops without a column of times, as "12.5 Hz"')
+        str | None, typer.Option(metavar="F", help='of loops without a column of times, such as "12.5 Hz"')
     ] = None,
 ) -> None:
-    """Fit a spring with friction and Maxwell elements to tests of a bushing, and draw the fit.
+    """Fit a spring with friction and Maxwell elements to the tests of a bushing, and draw the fit.
 
-    Files are tables of stiffness and loss, or loops, as screen.bushings.NAME.curves.file in a case.
+    The files are those of screen.bushings.NAME.curves.file in a case: tables of stiffness and loss over
+    amplitude and frequency, or loops of force over displacement.  The picture shows each measured loop with
+    the fitted one, and stiffness and loss factor over the amplitude.
 
-    Exit code 2: a file cannot be read, or leaves something open.
+      flipflow bushing loop-1mm.csv loop-4mm.csv --out spring.png
+
+    Exit code 0: done; 2: a file cannot be read, or leaves something open.
     """
     from orchestrator.cli.bushing import fit_files
 
@@ -396,12 +432,18 @@ def surface(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="STEP, IGES, STL, OBJ, PLY, VTK or MSH")],
     unit: Annotated[str | None, typer.Option(help="unit of the file: m, cm, mm, in or ft")] = None,
     scale: Annotated[float | None, typer.Option(help="factor of all coordinates")] = None,
-    tolerance: Annotated[str | None, typer.Option(metavar="D", help='of curved faces, as "0.1 mm"')] = None,
-    out: Annotated[Path, typer.Option("--out", help=".png or .svg")] = Path("surface.png"),
+    tolerance: Annotated[
+        str | None, typer.Option(metavar="D", help='of curved faces of STEP and IGES, such as "0.1 mm"')
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", help="picture to write, .png or .svg")] = Path("surface.png"),
 ) -> None:
-    """Print size and faults of a file for screen.surfaces.NAME.file, and draw it.
+    """Print the size of a surface's file, its faults and what is healed, and draw it.
 
-    Exit code 2: the file cannot be read, or leaves its unit open.
+    The file is one of screen.surfaces.NAME.file in a case, before there is a case.
+
+      flipflow surface chute.stl --unit mm --out chute.png
+
+    Exit code 0: done; 2: the file cannot be read, or leaves its unit open.
     """
     from orchestrator.cli.surface import describe_file, surface_table
 
@@ -416,13 +458,13 @@ def plan(
     tolerance: Annotated[
         str,
         typer.Option(
-            metavar="SIZE", help='relative error, as 5% or 0.05; with --for also "2 points" of a share'
+            metavar="SIZE", help='error, as 5% or 0.05 (relative); with --for of a share "2 points", too'
         ),
     ],
     budget: Annotated[str, typer.Option(metavar="TIME", help="wall time, as 90s, 30min, 1h or 2d")],
     level: Level = None,
     result: Annotated[
-        str | None, typer.Option("--for", metavar="NAME", help="result whose chance counts, as efficiency")
+        str | None, typer.Option("--for", metavar="NAME", help="result (efficiency, ...) whose chance counts")
     ] = None,
     run: Annotated[
         Path | None,
@@ -436,15 +478,18 @@ def plan(
         Path | None,
         typer.Option("--study", help="accuracy.json [default: beside case.toml, or runs/<case>-accuracy]"),
     ] = None,
-    write: Annotated[str | None, typer.Option(metavar="LEVEL", help="level to write into the case")] = None,
+    write: Annotated[
+        str | None, typer.Option(metavar="LEVEL", help="level to write into the case's folder")
+    ] = None,
     overrides: Overrides = None,
 ) -> None:
     """Choose settings for a tolerance and a time.
 
-    A stored study of accuracy and a short run give the cheapest settings within the tolerance, or what fits.
+    A stored study of accuracy and a short run here give the cheapest settings within the tolerance, with
+    their wall time and error, or what would fit the budget.
 
-    With --for, the scatter of a run gives seconds, seeds and slice that bring half the result's 95 % interval
-    within the tolerance.
+    With --for, the scatter of a measured run, or of a cheap pilot, says how many seconds, seeds and how
+    wide a slice leave half the result's 95 % interval within the tolerance at the least processor time.
 
       flipflow plan cases/near-mesh --for efficiency --tolerance 5% --budget 2h
 

@@ -29,36 +29,48 @@ def new(
     template: Annotated[
         str | None, typer.Option(help="flip-flow, banana, crank-link or test-rig [default: flip-flow]")
     ] = None,
-    width: Annotated[str | None, typer.Option(help='width of the deck, as "2 m"')] = None,
-    panels: Annotated[str | None, typer.Option(help="number of panels")] = None,
-    length: Annotated[str | None, typer.Option(help="length of the deck [default: by the stroke]")] = None,
-    slope: Annotated[str | None, typer.Option(help='slope or slopes, as "30 deg, 20 deg, 12 deg"')] = None,
-    opening: Annotated[str | None, typer.Option(help='width of the openings, as "12 mm"')] = None,
+    width: Annotated[str | None, typer.Option(help='width of the deck, such as "2 m"')] = None,
+    panels: Annotated[str | None, typer.Option(help="number of panels along the deck")] = None,
+    length: Annotated[
+        str | None, typer.Option(help="length of the whole deck [default: as the stroke wants it]")
+    ] = None,
+    slope: Annotated[
+        str | None, typer.Option(help='slope, such as "20 deg", or slopes: "30 deg, 20 deg, 12 deg"')
+    ] = None,
+    opening: Annotated[str | None, typer.Option(help='width of the openings, such as "12 mm"')] = None,
     opening_length: Annotated[
         str | None, typer.Option(help="length of the openings [default: square]")
     ] = None,
     material: Annotated[str | None, typer.Option(help="material that is screened")] = None,
     shape: Annotated[
-        str | None, typer.Option(help="round, rounded, angular or flaky [default: as usual]")
+        str | None,
+        typer.Option(
+            help="shape of its grains: round, rounded, angular or flaky [default: as it usually has]"
+        ),
     ] = None,
     moisture: Annotated[str | None, typer.Option(help="dry, moist, wet or sticky")] = None,
-    throughput: Annotated[str | None, typer.Option(help='mass rate of the feed, as "50 t/h"')] = None,
+    throughput: Annotated[str | None, typer.Option(help='mass rate of the feed, such as "50 t/h"')] = None,
     feed: Annotated[
         str | None,
         typer.Option(
-            help='sizes of the feed, as "0-30 mm", or a sieve analysis [default: 0 to 2.5 openings]'
+            help='sizes of the feed, such as "0-30 mm", or the file of a sieve analysis '
+            "[default: 0 to 2.5 openings]"
         ),
     ] = None,
-    cut: Annotated[str | None, typer.Option(help="size of coarse grains [default: the openings']")] = None,
-    speed: Annotated[str | None, typer.Option(help='speed of the shaft, as "750 rpm"')] = None,
+    cut: Annotated[
+        str | None, typer.Option(help="size from which on a grain is coarse [default: that of the openings]")
+    ] = None,
+    speed: Annotated[str | None, typer.Option(help='speed of the shaft, such as "750 rpm"')] = None,
     stroke: Annotated[
-        str | None, typer.Option(help='amplitude between the frames along the deck, as "6 mm"')
+        str | None,
+        typer.Option(help='amplitude of the frames against each other along the deck, such as "6 mm"'),
     ] = None,
     yes: Annotated[bool, typer.Option("--yes", help="take defaults, and ask nothing")] = False,
 ) -> None:
-    """Begin a machine of your own: write a commented case that can be run at once.
+    """Begin a machine of your own: write a commented case that can be checked and run at once.
 
-    Masses, unbalance and bushings follow from stroke and speed.  A terminal asks for the rest.
+    Masses, unbalance and bushings follow from stroke and speed, and their distance from resonance is
+    printed.  In a terminal it asks for what is not given.  Nothing is overwritten.
     """
     from orchestrator.case.file.errors import CaseProblem
     from orchestrator.cli.proposal.propose import find_refusals, propose

@@ -33,7 +33,7 @@ def shipped_or_own(path: Path) -> Path:
 CasePath = Annotated[
     Path,
     typer.Argument(
-        metavar="CASE", callback=shipped_or_own, help="folder of a case, or name of the program's"
+        metavar="CASE", callback=shipped_or_own, help="folder of a case, or name of one of the program's"
     ),
 ]
 Level = Annotated[
@@ -41,10 +41,13 @@ Level = Annotated[
 ]
 Overrides = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="value of a key, as panel.solver=rigid; repeatable"),
+    typer.Option("--set", metavar="KEY=VALUE", help="value of a key, as panel.solver=rigid; may be repeated"),
 ]
 StudyPath = Annotated[
-    Path, typer.Argument(metavar="STUDY", callback=shipped_or_own, help="study.toml, or its folder")
+    Path,
+    typer.Argument(
+        metavar="STUDY", callback=shipped_or_own, help="study.toml of a design study, or its folder"
+    ),
 ]
 Out = Annotated[Path | None, typer.Option("--out", help="folder of the study [default: runs/<case>-<study>]")]
 Workers = Annotated[
@@ -53,7 +56,9 @@ Workers = Annotated[
 ]
 Scheduler = Annotated[str, typer.Option("--scheduler", help="address of a Dask scheduler")]
 
-WriteJobs = Annotated[bool, typer.Option("--write-jobs", help="only write jobs.txt and job.sh for a cluster")]
+WriteJobs = Annotated[
+    bool, typer.Option("--write-jobs", help="write jobs.txt and job.sh for a cluster, and run nothing")
+]
 
 
 def crew(workers: Workers = None, scheduler: Scheduler = "") -> Crew:

@@ -27,14 +27,25 @@ class Results:
     """The results that a screen's designer needs; a part that the run cannot have is None."""
 
     missing: dict[str, str] = field(
-        default_factory=dict, metadata={"figure": Figure("what the run does not have, with the reason")}
+        default_factory=dict,
+        metadata={"figure": Figure("what could not be computed, by name with the reason")},
     )
     failed: dict[str, str] = field(
         default_factory=dict,
-        metadata={"figure": Figure("parts that failed, with the error; the run is `incomplete`")},
+        metadata={
+            "figure": Figure(
+                "parts whose computation failed, by name with the error; the run is then `incomplete`"
+            )
+        },
     )
     share_of_width: float = field(
-        default_factory=lambda: 1.0, metadata={"figure": Figure("computed share of the machine's width")}
+        default_factory=lambda: 1.0,
+        metadata={
+            "figure": Figure(
+                "share of the machine's width that was computed",
+                ("the summary has the slice's masses, rates, numbers and forces, the page the whole width's"),
+            )
+        },
     )
     slice_width_m: float | None = figure("width of the slice", optional=True)
     steady: Steady | None = figure("averaged cycles", optional=True)
@@ -43,7 +54,7 @@ class Results:
     )
     contacts: Contacts | None = figure(
         "why so much of the fines passes",
-        "with exits below openings",
+        "with exits, below a deck with openings",
         optional=True,
         part="particles",
         is_of_cut=True,
@@ -54,12 +65,19 @@ class Results:
     bed: Bed | None = figure("bed on the deck", optional=True, part="particles")
     held: Held | None = figure("what the openings hold", optional=True, part="particles")
     bulk: dict[str, BulkMean] | None = figure(
-        "grains in each box of `[bulk]`", "means of the second half", optional=True, part="particles"
+        "grains in each box of `[bulk]`",
+        "means over the second half of the run",
+        optional=True,
+        part="particles",
     )
-    wear: Wear | None = figure("wear of the panels", "with specific wear", optional=True, part="panels")
-    power: Power | None = figure("power of the drives and of the losses", optional=True, part="frames")
+    wear: Wear | None = figure(
+        "wear of the panels", "where contacts have specific wear", optional=True, part="panels"
+    )
+    power: Power | None = figure(
+        "power of the drives and of the losses", "with a drive", optional=True, part="frames"
+    )
     motion: Motion | None = figure("motion of the machine", optional=True)
-    course: Course | None = figure("stroke and load in time", optional=True)
+    course: Course | None = figure("stroke and load over the whole run", optional=True)
 
     @property
     def of_the_whole_width(self) -> Results:

@@ -204,7 +204,7 @@ def test_a_run_gets_a_quarter_of_the_budget(
     assert done.exit_code == 0, done.output
     assert [engine.limit_s for engine in asked] == [limit_s]
     help_text = CliRunner().invoke(app, ["explain", "--help"]).output
-    assert "one gets a quarter" in " ".join(help_text.replace("│", " ").split())
+    assert "a quarter of it" in " ".join(help_text.replace("│", " ").split())
 
 
 def test_an_effect_that_the_case_does_not_have_is_refused(tmp_path: Path) -> None:

@@ -7,7 +7,6 @@ headings ``### each of `probes` `` and ``## Folders of studies``.
 from __future__ import annotations
 
 import inspect
-import re
 import sys
 from collections.abc import Iterator
 from dataclasses import Field, fields, is_dataclass
@@ -78,11 +77,9 @@ def _row(each: Field[Any], table: type, path: str) -> str:
 
 
 def _named(each: Field[Any], kind: Any, path: str) -> tuple[str, str]:
-    """Return the name of a figure or a table, and its meaning beyond its name and its own section."""
+    """Return the name of a figure or a table, and its meaning."""
     record = record_of(each)
-    has_section = is_table(inner_kind(kind)) and not _is_small(inner_kind(kind))
-    is_said = has_section or each.name.startswith(re.sub(r"\W", "_", record.words))
-    meaning = "" if is_said else record.words
+    meaning = "" if record.words.replace(" ", "_") == each.name else record.words
     meaning += f"{': ' * bool(meaning)}{record.about}" if record.about else ""
     figure = figure_at(path)
     if is_table(inner_kind(kind)) or figure is None or inner_kind(kind) in (str, bool):

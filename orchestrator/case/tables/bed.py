@@ -35,10 +35,11 @@ Sphere = tuple[Number, Number, Number, Positive]
 
 
 class OwnShape(Table):
-    """A shape of your own."""
+    """A shape of the case's own."""
 
     spheres: Annotated[tuple[Sphere, ...], Len(0, MOST_SPHERES)]
-    """[x, y, z, r] of each sphere, in any unit, scaled to the sieve size (how-to/add-a-shape.md)."""
+    """[x, y, z, r] of each sphere, in any unit and axes; they hang together, and the sieve size scales
+    them (how-to/add-a-shape.md)."""
 
 
 @cache
@@ -66,38 +67,39 @@ class SizeClass(Table):
     largest_m: Positive
     """Largest sieve size."""
     mass_fraction: Positive
-    """Of the mass; all add up to 1."""
+    """Share of the mass; all add up to 1."""
 
 
 class PassingPoint(Table):
-    """A point of the cumulative sizes, from fine to coarse, or ``curve.file``
-    (how-to/use-a-sieve-analysis.md)."""
+    """A point of the cumulative sizes, from fine to coarse, straight between points; ``curve.file =
+    "lab.csv"`` takes a sieve analysis (how-to/use-a-sieve-analysis.md)."""
 
     sieve_size_m: Positive
     """Sieve size."""
     passing: Share
-    """Finer share of the mass."""
+    """Share of the mass that is finer."""
 
 
 class Particle(Table):
     """One particle at t = 0."""
 
     position_m: Vector
-    """Centre."""
+    """Its centre."""
     velocity_m_per_s: Vector = (0.0, 0.0, 0.0)
-    """Velocity."""
+    """Its velocity."""
     spin_rad_per_s: Vector = (0.0, 0.0, 0.0)
-    """Angular velocity."""
+    """Its angular velocity."""
     sieve_size_m: Positive
     """Smallest square opening that it passes; a sphere's diameter."""
     material: str
     """Its material."""
     rotation_rad: Vector = (0.0, 0.0, 0.0)
-    """Turn as a vector; z of its shape has the smallest, x the largest moment of inertia."""
+    """Turn from the axes of its shape (z of the smallest, x of the largest moment of inertia), as a
+    vector."""
     shape: ShapeName = "sphere"
-    """Or of ``[bed.shapes]``."""
+    """One of these or of ``[bed.shapes]``."""
     axes: Literal["deck", "world"] = "world"
-    """Axes of all these."""
+    """Axes of position, velocity, spin and rotation."""
 
 
 class Filling(Table):
@@ -106,28 +108,29 @@ class Filling(Table):
     material: str
     """Their material."""
     shape: ShapeName = "sphere"
-    """Or of ``[bed.shapes]``."""
+    """One of these or of ``[bed.shapes]``."""
     box_m: Box
-    """Corners of the box in which they appear."""
+    """Lowest and highest corner of the box in which they appear."""
     sizes: tuple[SizeClass, ...] = ()
     """Size classes."""
     curve: tuple[PassingPoint, ...] = ()
     """Cumulative size distribution, from fine to coarse."""
     smallest_fed_m: Positive | None = None
-    """Smallest size that is computed."""
+    """Smallest sieve size that is computed."""
     finer: Literal["leave-out", "next-class"] = "leave-out"
-    """Mass not computed: left out, or in the finest class computed whole."""
+    """Mass finer than that, or not computed of a sample: left out, from a feed's rate, too, or in the
+    finest class computed whole."""
     velocity_m_per_s: Vector = (0.0, 0.0, 0.0)
-    """Initial velocity; a feed's leads out of the box."""
+    """Velocity with which they appear; a feed's must carry them out of the box."""
     seed: Whole = 1
-    """Of random numbers."""
+    """Seed of the random numbers."""
 
 
 class Block(Filling):
-    """Particles in a box at t = 0 that do not touch."""
+    """A block of particles that lie in a box at t = 0 without touching."""
 
     count: Particles
-    """Their number."""
+    """Number of particles."""
     axes: Literal["deck", "world"] = "deck"
     """Axes of box and velocity."""
 
@@ -138,20 +141,22 @@ class Feed(Filling):
     rate_kg_per_s: Positive
     """Mass rate."""
     sampled_below_m: Positive | None = None
-    """Of finer particles some stand for all in the separation; ``finer`` has the rest's mass."""
+    """Of finer particles only some are computed, each for others of its size in the separation;
+    ``finer`` says where the others' mass goes."""
     sampled_as_m: Positive | None = None
-    """One of (``sampled_as_m`` / d)^3 of diameter d is computed; else ``sampled_below_m``."""
+    """Of sampled particles of diameter d, one in (``sampled_as_m`` / d)^3 is computed; by default
+    ``sampled_below_m``."""
     axes: Literal["deck", "world"] = "world"
     """Axes of box and velocity."""
     start_s: NotNegative = 0.0
     """Start."""
     stop_s: Positive | None = None
-    """Stop; else the end."""
+    """Stop; by default the end of the run."""
 
 
 class Bed(Table):
-    """All particles, with ids from 1: particles, blocks, feeds; ``from_run`` or ``table`` replace the first
-    two."""
+    """All particles, with ids from 1 through particles, blocks and feeds; ``from_run`` or ``table``
+    replace the first two."""
 
     particles: dict[Name, Particle] = Field(default_factory=dict)
     """Single particles by name."""
@@ -162,25 +167,27 @@ class Bed(Table):
     shapes: dict[Name, OwnShape] = Field(default_factory=dict)
     """Shapes of the case's own, by name."""
     shape_divisions: Annotated[int, Strict(), Ge(1), Le(MOST_SPHERES)] = 1
-    """Divides a shape's spheres: smoother, dearer (docs/theory/clumps.md)."""
+    """Parts of the way between touching spheres of a shape: smoother and dearer (docs/theory/clumps.md)."""
     from_run: OneLine | None = None
-    """Run with whose particles this case begins; a failed one needs ``from_time_s``."""
+    """Folder of a run, also of another machine, whose particles this case begins with; one that failed
+    needs ``from_time_s``."""
     from_time_s: NotNegative | None = None
-    """Its nearest state; else the last."""
+    """Its nearest state is taken, by default the last; checkpoints are exact."""
     table: OneLine | None = None
-    """Table of particles, in world axes ([formats, columns](how-to/reuse-a-bed.md))."""
+    """Table of particles in world axes: text, Parquet, VTK, of LIGGGHTS, LAMMPS or YADE
+    ([columns](how-to/reuse-a-bed.md))."""
     columns: dict[OneLine, OneLine] = Field(default_factory=dict)
-    """Unclear columns: "size" = "diameter / mm", "ignore"."""
+    """What unclear columns are: "size" = "diameter / mm", "ignore"."""
     decimal: Literal["", ".", ","] = ""
-    """Decimal mark."""
+    """Decimal mark, if unclear."""
     material: OneLine | dict[OneLine, OneLine] | None = None
-    """Of the ``table``, or of its types: 1 = "coal"."""
+    """Material of the ``table``, or of each of its types: 1 = "coal"."""
     velocities: Literal["keep", "zero"] = "keep"
-    """Their motion."""
+    """Motion of these particles: as it was, or at rest."""
     outside: Literal["refuse", "leave-out"] = "refuse"
-    """Outside of ``domain_m``."""
+    """Those outside of ``domain_m``."""
     push_out: Switch = False
-    """Move those that overlap too deeply, or refuse them."""
+    """Whether those in surfaces or too deep in each other are moved apart, or refused."""
 
     _carried: CarriedBed | None = PrivateAttr(default=None)
 

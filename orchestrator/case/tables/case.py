@@ -40,12 +40,14 @@ from orchestrator.ports.adapters import Adapter
 
 
 class Slice(Table):
-    """A strip in the middle of the width, with its share of all else."""
+    """A strip in the middle of the width, with its share of masses, bushings, exciters and feeds;
+    usually in a level."""
 
     width_m: Positive
     """Width."""
     sides: Literal["periodic", "walls"] = "periodic"
-    """periodic: what leaves at one side returns at the other. walls: side walls."""
+    """periodic: what leaves at one side returns at the other, without side walls. walls: they stand at
+    the slice's sides."""
 
 
 class MaxwellBranch(Table):
@@ -58,25 +60,25 @@ class MaxwellBranch(Table):
 
 
 class LossPoint(Table):
-    """Loss from low to high frequencies, to which branches are fitted unless ``maxwell`` is given."""
+    """Loss measured from low to high frequencies; branches are fitted unless ``maxwell`` is given."""
 
     frequency_Hz: Annotated[float, Strict(), Ge(1e-3), Le(1e6)]
     """Frequency."""
     loss_factor: Annotated[float, Strict(), Ge(1e-4), Le(10)]
     """Loss modulus over storage modulus."""
     storage_ratio: Annotated[float, Strict(), Ge(1), Le(1e3)] | None = None
-    """Storage modulus over the elastic one."""
+    """Storage modulus over the elastic one, if measured."""
 
 
 class Hyperelastic(Table):
-    """The Mooney-Rivlin material of a panel."""
+    """The two-parameter Mooney-Rivlin material of a panel."""
 
     c10_Pa: NotNegative
-    """Coefficient of invariant 1."""
+    """Coefficient of the first invariant."""
     c01_Pa: NotNegative
-    """Coefficient of invariant 2."""
+    """Coefficient of the second invariant."""
     bulk_modulus_Pa: Positive
-    """K of the energy K/2 (J - 1)^2."""
+    """K of the volumetric energy K/2 (J - 1)^2."""
     maxwell: tuple[MaxwellBranch, ...] = ()
     """Branches that damp the panel."""
     loss_curve: tuple[LossPoint, ...] = ()
@@ -84,29 +86,30 @@ class Hyperelastic(Table):
 
 
 class FatigueLine(Table):
-    """Line cycles x (strain_amplitude / amplitude)^slope, which only ranks panels."""
+    """Line cycles x (strain_amplitude / amplitude)^slope that only ranks the panels of a run."""
 
     strain_amplitude: Annotated[float, Strict(), Gt(0), Le(1)]
     """Half the strain range of a cycle."""
     cycles: Annotated[float, Strict(), Ge(1), Le(1e15)]
     """Cycles to failure at this amplitude."""
     slope: Annotated[float, Strict(), Gt(0), Le(50)]
-    """Exponent."""
+    """Ten times the amplitude divides the cycles by 10^slope."""
 
 
 class Material(Table):
-    """A material; given keys replace the [library's](materials.md), which needs no table."""
+    """A material of particles, walls or panels; given keys replace the [library's](materials.md), which
+    needs no table."""
 
     like: OneLine | None = None
-    """Library's material that has the other keys; else that of this name."""
+    """Material of the library with all other keys; by default that of this name."""
     density_kg_per_m3: Positive
     """Density."""
     youngs_modulus_Pa: Positive | None = None
-    """In contacts; else some 6 (C10 + C01)."""
+    """In contacts; by default some 6 (C10 + C01)."""
     poisson_ratio: Annotated[float, Strict(), Ge(0), Lt(0.5)] | None = None
-    """In contacts; else from the hyperelastic constants."""
+    """In contacts; by default from the hyperelastic constants."""
     shape: Literal["round", "rounded", "angular", "flaky"] | None = None
-    """Class of grains, for ``rolling_friction`` ([more](materials.md))."""
+    """Shape class of grains, for the ``rolling_friction`` of contacts ([more](materials.md))."""
     hyperelastic: Hyperelastic | None = None
     """Constants of a panel's material."""
     fatigue: FatigueLine | None = None
@@ -120,9 +123,9 @@ class ReboundPoint(Table):
     """A point of the restitution over the speed of impacts."""
 
     impact_m_per_s: Annotated[float, Strict(), Gt(0), Le(100)]
-    """Normal speed."""
+    """Normal speed at first touch."""
     restitution: Annotated[float, Strict(), Gt(0), Le(1)]
-    """Coefficient."""
+    """Coefficient of such impacts."""
 
 
 def _branch(restitution: object) -> str:
@@ -130,7 +133,7 @@ def _branch(restitution: object) -> str:
 
 
 class Contact(Table):
-    """A pair of materials. Each that can meet is given here or in the library."""
+    """Two materials.  Every pair that can meet must be given, unless the library has it."""
 
     between: tuple[str, str]
     """The two materials, or one twice."""
@@ -139,21 +142,24 @@ class Contact(Table):
         | Annotated[tuple[ReboundPoint, ...], Tag("<points>")],
         Discriminator(_branch),
     ]
-    """Coefficient, or points over speed, linear between them, constant beyond (docs/theory/rebound.md)."""
+    """Coefficient, or points over impact speed, linear between them, constant beyond
+    (docs/theory/rebound.md)."""
     sliding_friction: NotNegative
     """Coefficient."""
     rolling_friction: NotNegative
-    """Largest couple / (normal force x reduced radius); else by the grains' ``shape``."""
+    """Largest couple / (normal force x reduced radius); by default that of the grains' ``shape``, or
+    their mean."""
     work_of_adhesion_J_per_m2: NotNegative = 0.0
-    """Energy to separate them; of equal materials twice the surface energy."""
+    """Energy to separate the two; for equal materials twice the surface energy."""
     bond_number: Annotated[float, Strict(), Ge(0), Le(1e6)] | None = None
-    """Instead: pull-off force over weight (docs/theory/adhesion.md)."""
+    """Instead of the work: pull-off force over a grain's weight (docs/theory/adhesion.md)."""
     bond_diameter_m: Positive | None = None
-    """Grain of ``bond_number``; else the median by mass of feeds, blocks or others."""
+    """Grain of ``bond_number``; by default the median by mass of the material's feeds, else blocks, else
+    others."""
     moisture: Literal["dry", "moist", "wet", "sticky"] | None = None
-    """Instead: work of 0, 0.192, 0.576 or 1.92 J/m2."""
+    """Instead of the work: 0, 0.192, 0.576 or 1.92 J/m2 (docs/theory/adhesion.md)."""
     specific_wear_m3_per_N_m: NotNegative = 0.0
-    """Wear volume per normal force and sliding distance (docs/theory/wear.md)."""
+    """Volume that grains wear off per normal force and sliding distance (docs/theory/wear.md)."""
 
     @property
     def rebound(self) -> tuple[ReboundPoint, ...]:
@@ -181,7 +187,8 @@ class Contact(Table):
 
 
 class Air(Table):
-    """Still air (docs/theory/air.md), by default none; an empty table is dry air at 20 degC."""
+    """Still air, by default none (docs/theory/air.md); an empty table is dry air of 20 degrees Celsius
+    at 1013 hPa."""
 
     density_kg_per_m3: Annotated[float, Strict(), Gt(0), Le(10)] = 1.204
     """Density."""
@@ -190,48 +197,51 @@ class Air(Table):
 
 
 class Probe(Table):
-    """A recorded point on a frame (``frame``, ``point_m``) or a panel (``panel``, ``at``), or a particle."""
+    """A point on a frame (``frame``, ``point_m``) or a panel (``panel``, ``at``), or a particle, whose
+    motion is recorded."""
 
     frame: str | None = None
     """Its frame."""
     point_m: Vector | None = None
-    """Place at t = 0."""
+    """Place at t = 0, in deck axes."""
     panel: str | None = None
     """Its panel."""
     at: tuple[Share, Share] | None = None
-    """Shares of free length and width."""
+    """Shares of the free length and the width."""
     sensor_kg: NotNegative = 0.0
-    """Mass of a sensor on a flexible panel."""
+    """Mass of a sensor on a panel that is not rigid."""
     particle: Annotated[int, Strict(), Ge(1), Lt(2**63)] | None = None
     """Id of the particle."""
 
 
 class Bulk(Table):
-    """A box whose grains are measured as a bulk: mass, density, slope."""
+    """A box in which grains are measured as a bulk at output times: mass, density, slope of their free
+    surface."""
 
     box_m: Box
-    """Corners, in world axes."""
+    """Lowest and highest corner, in world axes."""
 
 
 class Case(Table):
     """A case with one of its levels."""
 
     title: OneLine
-    """What the case shows."""
+    """One line that says what the case shows."""
     description: Text = ""
-    """Sources, assumptions."""
+    """Sources, assumptions and the like."""
     default_level: str = ""
-    """Level where none is named."""
+    """Level of a run that names none."""
     duration_s: Positive
     """Time to simulate."""
     effects: Literal["auto"] | tuple[str, ...] | None = None
-    """These [effects](#effects), or those that may matter; else all."""
+    """Exactly these [effects](#effects), or those that may matter; by default all that the case
+    describes."""
     effects_for: tuple[str, ...] = ()
-    """Results by which "auto" decides; else all."""
+    """Short names of results that "auto" must not change by a tenth; by default all."""
     gravity_m_per_s2: Vector = (0.0, 0.0, -9.81)
     """Gravity, in world axes."""
     domain_m: Box
-    """Corners, in world axes; particles outside are lost."""
+    """Lowest and highest corner, in world axes; particles that leave it beside exits are lost."""
     materials: dict[Name, Material]
     """Materials by name."""
     contacts: tuple[Contact, ...] = ()

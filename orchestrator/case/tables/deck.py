@@ -29,34 +29,35 @@ class Rims(Table):
     """What particles meet at openings, and how much of the panel counts as solid besides."""
 
     margin_share: Annotated[float, Strict(), Ge(0), Lt(1)] = 0.0
-    """Share of a slice's width that is solid for mass and stiffness alone."""
+    """Share of the width that is solid for mass and stiffness alone, of a slice."""
     rims: Literal["thin", "deep"] = "thin"
-    """thin: edges. deep: walls through the mat, along its normal."""
+    """thin: edges of a surface. deep: walls through the mat, which follow its normal and stretch."""
     depth_m: Positive | None = None
-    """Of deep rims; else the thickness."""
+    """Depth of deep rims; by default the panel's thickness."""
     relief_deg: Annotated[float, Strict(), Ge(-45), Le(45)] | None = None
-    """Of deep rims to the normal, else 0; positive widens downwards."""
+    """Angle of deep rims to the normal, 0 by default; positive widens openings downwards."""
 
 
 class Apertures(Rims):
-    """A centred pattern of openings, as many as fit ([stiffness and mass](theory/perforated_panel.md))."""
+    """Equal openings in a centred pattern, as many as fit between the margins ([stiffness and
+    mass](theory/perforated_panel.md))."""
 
     shape: Literal["rectangle", "slot"] = "rectangle"
     """A slot has round ends, or is a circle."""
     length_m: Positive
-    """Along the panel."""
+    """Length along the panel."""
     width_m: Positive
-    """Across the panel."""
+    """Width across the panel."""
     pitch_along_m: Positive
-    """Distance of centres."""
+    """Distance of centres along the panel."""
     pitch_across_m: Positive
-    """Distance of centres."""
+    """Distance of centres across the panel."""
     stagger: Annotated[float, Strict(), Ge(0), Lt(1)] = 0.0
-    """Shift of every second row over its pitch."""
+    """Shift of every second row across, as a share of the pitch."""
     margin_along_m: NotNegative = 0.0
-    """Least solid length at clamps."""
+    """Least length without openings before each clamp."""
     margin_across_m: NotNegative = 0.0
-    """Least solid width at sides."""
+    """Least width without openings at each side."""
 
     @property
     def smaller_m(self) -> float:
@@ -65,17 +66,17 @@ class Apertures(Rims):
 
 
 class DrawnApertures(Rims):
-    """Openings from a drawing, in the panel's outline if there is one
+    """Openings from a drawing; an outline around all others is the panel's
     (docs/how-to/bring-your-own-geometry.md)."""
 
     file: Annotated[str, StringConstraints(min_length=1, max_length=200)]
-    """DXF file."""
+    """DXF file in the case's folder."""
     unit: Literal["m", "cm", "mm", "in", "ft"] | None = None
-    """Unit, in place of the file's."""
+    """Needed where the file does not say it; stands above what it says."""
     layers: tuple[OneLine, ...] = ()
-    """Layers of outlines; needed of several."""
+    """Layers with the outlines; needed if there is more than one."""
     rotation_deg: Literal[0, 90, 180, 270] = 0
-    """Anticlockwise from above."""
+    """Turn of the drawing anticlockwise, as seen from above."""
 
     _drawing: Drawing | None = PrivateAttr(default=None)
 
@@ -103,20 +104,21 @@ def _way_of_openings(given: Any) -> str:
 
 
 class Stop(Table):
-    """The top of a beam that a panel may touch (docs/theory/panel_stops.md)."""
+    """The flat top of a beam on which a panel may come to lie (docs/theory/panel_stops.md)."""
 
     frame: str | None = None
-    """Frame or "ground"; else the nearer clamp's."""
+    """Frame or "ground"; by default that of the nearer clamp."""
     from_m: NotNegative
-    """Begin, along the free length."""
+    """Beginning, along the free length."""
     to_m: Positive
     """End."""
     gap_m: Positive
-    """Below the straight panel."""
+    """Distance below the straight panel."""
     stiffness_Pa_per_m: Positive | None = None
-    """Pressure over depth of its rubber; else a tenth of mass per area / ``sync_interval_s``^2."""
+    """Pressure over depth of its rubber; by default a tenth of the most allowed, mass per area /
+    ``sync_interval_s``^2."""
     damping_ratio: Share = 0.2
-    """Share of critical."""
+    """Share of the critical damping."""
 
 
 Slope = Annotated[float, Strict(), Ge(0), Le(60)]
@@ -127,19 +129,19 @@ class PanelSheet(Table):
     """The common part of panels and decks: the sheet of a panel with its openings and stops."""
 
     material: str
-    """With ``hyperelastic``."""
+    """Material with ``hyperelastic``."""
     length_m: Positive
-    """Stress-free, between the clamps."""
+    """Stress-free length between the clamps' inner edges."""
     width_m: Positive
     """Width."""
     thickness_m: Positive
     """Thickness."""
     clamp_m: NotNegative = 0.0
-    """Built in at each clamp; 0: a hinge."""
+    """Length built in under each clamp; 0 is a hinge."""
     clamp_angle_deg: ClampAngle = 0.0
-    """Of both clamps; positive points ends down."""
+    """Turn of both clamps; positive points the ends down into the sag."""
     moulded_sag_m: NotNegative = 0.0
-    """Stress-free sag of the middle ([shape](theory/mats.md))."""
+    """Sag of the middle free of stress, a full wave along ``length_m`` (docs/theory/mats.md)."""
     apertures: (
         Annotated[
             Annotated[Apertures, Tag("<pattern>")] | Annotated[DrawnApertures, Tag("<drawing>")],
@@ -153,22 +155,22 @@ class PanelSheet(Table):
 
 
 class SidePlates(Table):
-    """A plate along each side."""
+    """A plate along each side of the deck."""
 
     frame: str
     """Frame or "ground"."""
     material: str
     """Material."""
     height_m: Positive
-    """Above the panels."""
+    """Above the line of the panels."""
     depth_m: NotNegative = 0.0
-    """Below."""
+    """Below it."""
     gap_m: NotNegative = 0.0
-    """From the panels."""
+    """From the panels' edges."""
 
 
 class FeedChute(Table):
-    """A plate that ends above the first cross beam."""
+    """A plate, as wide as the deck, that ends above the first cross beam."""
 
     frame: str = "ground"
     """Frame or "ground"."""
@@ -177,13 +179,13 @@ class FeedChute(Table):
     length_m: Positive
     """Length."""
     slope_deg: Slope
-    """Down to the deck."""
+    """Slope down to the deck."""
     drop_m: NotNegative
-    """Its end above the cross beam."""
+    """Height of its end above the cross beam."""
 
 
 class CrossBeams(Table):
-    """Their tops, between the clamps."""
+    """Their tops, which close gaps between clamps."""
 
     material: str
     """Material."""
@@ -195,23 +197,24 @@ def _as_list(value: Any) -> Any:
 
 
 class Deck(PanelSheet):
-    """A row of panels ``<name>-1`` and so on from the upper end; surfaces are ``<name>-left-1``,
-    ``-right-1``, ``-beam-1``, ``-chute``."""
+    """A row of panels between cross beams: panels ``<name>-1`` and so on from the upper end, surfaces
+    ``<name>-left-1``, ``<name>-right-1``, ``<name>-beam-1``, ``<name>-chute``."""
 
     frames: tuple[str, str]
-    """Of the cross beams in turn."""
+    """Frames of the cross beams in turn."""
     corner_m: Vector
-    """Middle of the first cross beam's top, from which y points inwards."""
+    """Middle of the first cross beam's top, from which y points into the deck."""
     panels: Few
-    """Their number."""
+    """Number of panels."""
     pitch_m: Positive | None = None
-    """Of cross beams; else ``length_m``, largest ``tension_m``, two clamps, 2 mm."""
+    """Distance of neighbouring cross beams; by default ``length_m``, the largest ``tension_m``, two
+    clamps and 2 mm."""
     tension_m: Annotated[tuple[Number, ...], BeforeValidator(_as_list)] = (0.0,)
-    """Distance of clamps less ``length_m``, of all or each: positive if taut."""
+    """Distance between clamps minus ``length_m``, positive if taut, of all or of each."""
     slopes_deg: tuple[Slope, ...] = ()
-    """Of segments, to the horizontal; else one, along x."""
+    """Slope of each segment against the horizontal; by default one, along the deck axes."""
     panels_per_slope: tuple[Few, ...] = ()
-    """Panels of each segment; else equal."""
+    """Number of panels of each segment; equal by default."""
     side_plates: SidePlates | None = None
     """Plates along both sides."""
     feed_chute: FeedChute | None = None

@@ -16,18 +16,18 @@ from orchestrator.ports.adapters import FramesAdapter, PanelAdapter, ParticlesAd
 
 
 class PanelSolver(Table):
-    """The panels' solver."""
+    """The solver of the panels."""
 
     solver: Annotated[str, SolverName("panel")] = "sheet"
-    """[Name](#solvers)."""
+    """Its name."""
     integrator: Literal["explicit", "implicit"] = "explicit"
-    """Of "sheet" and "solid"."""
+    """Time integration of "sheet" and "solid"."""
     cells: Cells = (22, 8)
-    """Finite elements along, across; of "solid" beside openings."""
+    """Finite elements along and across, with "solid" besides openings."""
     surface_cells: Cells = (22, 8)
-    """Of the touched surface, two triangles each."""
+    """Cells of the surface that particles touch, along and across, two triangles each."""
     step_s: NotNegative = 0.0
-    """Largest step; 0: the solver's limit."""
+    """Largest time step; 0: the solver's limit with a margin."""
 
     @property
     def adapter(self) -> PanelAdapter:
@@ -36,12 +36,12 @@ class PanelSolver(Table):
 
 
 class FramesSolver(Table):
-    """The frames' solver."""
+    """The solver of the frames."""
 
     solver: Annotated[str, SolverName("frames")] = "exudyn"
-    """[Name](#solvers)."""
+    """Its name."""
     step_s: NotNegative = 0.0
-    """Largest step; 0: the solver's."""
+    """Largest time step; 0: the solver's own."""
 
     @property
     def adapter(self) -> FramesAdapter:
@@ -50,33 +50,34 @@ class FramesSolver(Table):
 
 
 class ParticlesSolver(Table):
-    """The particles' solver."""
+    """The solver of the particles."""
 
     solver: Annotated[str, SolverName("particles")] = "liggghts"
-    """[Name](#solvers); "none": an empty machine."""
+    """Its name; with "none" the machine runs empty."""
     step_s: NotNegative = 0.0
-    """Largest step; 0: by ``rayleigh_fraction``."""
+    """Largest time step; 0: by ``rayleigh_fraction``."""
     rayleigh_fraction: Annotated[float, Strict(), Gt(0), Le(1)] = 0.2
     """Largest step over the smallest Rayleigh time, at most 0.2."""
     feed_interval_s: NotNegative = 0.002
-    """Between batches, which cost seven steps; 0: the sync interval."""
+    """Time between batches of fed particles, each of which costs seven steps; 0: every sync interval."""
     largest_youngs_modulus_Pa: Positive | None = None
-    """Softens stiffer contacts, for longer steps."""
+    """Stiffer contacts are softened to it, for longer steps."""
     coarse_graining: Annotated[float, Strict(), Ge(1), Le(10)] = 1.0
-    """Factor k on diameters, one particle for k^3; none below four openings (docs/theory/feed.md)."""
+    """Factor k on diameters, a particle for k^3; not for particles below four openings
+    (docs/theory/feed.md)."""
     softened_adhesion: Literal["sticking", "pull-off"] | None = None
-    """Of softened contacts: kept speed of sticking, or kept force, the default with a bond number or
-    moisture."""
+    """What softened contacts keep: the speed below which particles stick, or the force, the default with
+    a bond number or moisture."""
     adhesion: Literal["none", "sjkr", "jkr"] | None = None
-    """Law (docs/theory/adhesion.md); else jkr, if there is adhesion."""
+    """Law (docs/theory/adhesion.md); by default jkr if contacts have a work of adhesion."""
     sjkr_diameter_m: Positive | None = None
-    """Diameter with the true pull-off force; else the geometric mean of the extremes."""
+    """Real diameter with sjkr's true pull-off force; by default the geometric mean of the extremes."""
     rolling: Literal["none", "cdt", "epsd2"] = "epsd2"
-    """Law. cdt: constant torque. epsd2: elastic-plastic."""
+    """Law of rolling friction. cdt: constant torque. epsd2: elastic-plastic."""
     wear: Literal["none", "archard"] = "archard"
-    """Law."""
+    """Law of wear."""
     air_drag: Literal["none", "schiller-naumann"] = "schiller-naumann"
-    """Law in ``air``."""
+    """Law of drag in ``air``."""
 
     @property
     def adapter(self) -> ParticlesAdapter | None:
@@ -85,25 +86,26 @@ class ParticlesSolver(Table):
 
 
 class Coupling(Table):
-    """The exchange between the solvers."""
+    """The exchange of motion and load between the solvers."""
 
     scheme: Literal["particles-first", "robin", "serial-staggered", "aitken", "quasi-newton", "auto"] = "auto"
-    """Order of solvers (docs/theory/coupling.md); auto: the first safe of particles-first, robin, aitken."""
+    """Order of the solvers (docs/theory/coupling.md): robin predicts the panels' motion, aitken and
+    quasi-newton repeat intervals; auto: the first safe one of particles-first, robin, aitken."""
     sync_interval_s: Positive = 5e-5
-    """Between exchanges."""
+    """Time between two exchanges."""
     tolerance: Annotated[float, Strict(), Gt(0), Le(0.1)] = 1e-3
-    """Relative, of the loads in repeated intervals."""
+    """Largest relative difference of the loads in a repeated interval."""
     most_iterations: Annotated[int, Strict(), Gt(0), Le(1000)] = 60
-    """Runs of an interval, else a warning."""
+    """Most runs of a repeated interval, else a warning."""
 
 
 class Exchange(Table):
-    """What the solvers exchange; without one, balances do not close."""
+    """What the solvers exchange; without one, physics is left out, and balances do not close."""
 
     frame_motion: Switch = True
     """Frames move the panels' clamps."""
     panel_motion: Switch = True
-    """Panels and walls move the touched surface."""
+    """Panels and walls move the surface that particles touch."""
     particle_load: Switch = True
     """Particles load the panels."""
     panel_reaction: Switch = True
@@ -114,89 +116,94 @@ Then = Literal["warn", "shorten", "stop"]
 
 
 class ItemSettings(Table):
-    """An item of an installed package (docs/how-to/add-a-monitor-item.md)."""
+    """An additional item of an installed package (docs/how-to/add-a-monitor-item.md)."""
 
     then: Then
-    """Reaction."""
+    """Reaction above the limit."""
     limit: Annotated[float, Strict(), Ge(-1e12), Le(1e12)]
-    """Largest value."""
+    """Largest value, in the item's unit."""
 
 
 class MonitorSettings(Table):
-    """Reactions to [events](theory/stability.md): "warn" once, "shorten" the sync intervals, up to 64
-    times, until ``calm_s`` has passed without one, or "stop" (exit code 4).  NaN, points faster than 300 m/s
-    and lost particles always stop.  A `largest_` or `most_` is the limit of the key above it."""
+    """Reactions to events that should not happen ([how often it looks](theory/stability.md)): "warn" once;
+    "shorten" the sync intervals, up to 64 times, until ``calm_s`` has passed without one; or "stop" the run
+    (exit code 4), with its results and the last checkpoint before.  NaN, points faster than 300 m/s and
+    particles that their solver has lost always stop it."""
 
     created_energy: Then = "shorten"
-    """The coupling makes or destroys energy, in some twenty intervals."""
+    """The coupling makes or destroys energy within some twenty intervals."""
     largest_created_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.05
-    """Over energy exchanged."""
+    """This over the energy through the interface."""
     created_in_total: Literal["warn", "stop"] = "warn"
-    """Since t = 0, by the ledger."""
+    """The same since t = 0, by the ledger every 5 ms."""
     largest_created_in_total: Annotated[float, Strict(), Gt(0), Le(1)] = 0.01
-    """Over energy exchanged or lost; beyond it a run is doubtful."""
+    """This over the energy through the interface or lost; beyond it a run is
+    [doubtful](theory/stability.md)."""
     growing_modes: Then = "shorten"
-    """Points of the surface alternate and grow."""
+    """Points of the surface alternate from interval to interval and grow."""
     largest_growing_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1
-    """Their rms speed over the largest so far."""
+    """Their speed over the largest so far (root mean square)."""
     stretched_panels: Then = "warn"
-    """A panel stretches too far."""
+    """A panel is stretched too far along an edge of a triangle."""
     largest_stretch: Annotated[float, Strict(), Gt(0), Le(10)] = 0.3
-    """Elongation over length."""
+    """Elongation over length; constants are measured up to the default."""
     penetrated_surfaces: Literal["warn", "stop"] = "stop"
-    """A panel goes through a surface or panel; a beam under it is a stop. Refused at the start."""
+    """A panel goes through a surface or panel; a beam on which it may lie must be a stop.  At the start
+    it is refused."""
     largest_penetration: Annotated[float, Strict(), Ge(0), Le(1000)] = 0.5
-    """Depth of its middle over thickness."""
+    """Distance of its middle beyond, over its thickness."""
     deep_overlaps: Then = "warn"
     """Particles overlap too deeply."""
     largest_overlap: Annotated[float, Strict(), Gt(0), Le(1)] = 0.2
-    """Over the smaller radius; Hertz's limit is 0.1."""
+    """Over the smaller radius; the default is twice the limit of Hertz's theory."""
     crossed_surface: Literal["warn", "stop"] = "stop"
-    """A centre passes the surface beside openings: too soft, steps too long."""
+    """A particle's centre goes through the surface beside openings: contacts are too soft or steps too
+    long; doubtful."""
     most_crossings: Annotated[int, Strict(), Ge(0)] = 0
-    """Crossings."""
+    """Crossings that are accepted."""
     long_steps: Then = "warn"
-    """Particles or points move too far in a step."""
+    """Particles or points of the surface move too far in a particle step."""
     largest_step_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1
-    """Over the (smallest) radius."""
+    """Over the radius, of points over the smallest."""
     calm_s: NotNegative = 0.0
-    """Quiet time until intervals lengthen; 0: a cycle or 100 intervals."""
+    """Time without events until intervals lengthen; 0: a cycle, or 100 intervals without a drive."""
     lost_particles: Literal["warn", "stop"] = "warn"
     """Particles leave the domain beside exits."""
     escaped_particles: Literal["warn", "stop"] = "warn"
-    """Undersize has particles that fit no opening."""
+    """Particles that fit no opening leave with the undersize."""
     folded_panels: Literal["warn", "stop"] = "stop"
-    """A panel's middle line nears itself to its thickness."""
+    """A panel's middle line is nearer to itself than its thickness."""
     jammed_feed: Literal["warn", "stop"] = "stop"
-    """A feed brings less than half in ``jam_s``."""
+    """A feed takes less than half of what is due in ``jam_s``."""
     jam_s: Positive = 0.2
-    """Time that judges a feed."""
+    """Time over which a feed is judged."""
     items: dict[Name, ItemSettings] = Field(default_factory=dict)
     """Additional items by name."""
 
 
 class CheckpointSettings(Table):
-    """More checkpoints than at the end and when interrupted."""
+    """Checkpoints for ``flipflow resume``, besides those at the end and when interrupted."""
 
     every_s: NotNegative = 0.0
-    """Simulated time between; 0: none."""
+    """Simulated time between two; 0: none."""
     wall_min: NotNegative = 10.0
-    """Wall time between; 0: none."""
+    """Wall time between two; 0: none."""
 
 
 class Output(Table):
-    """Output: times between rows, 0 for none."""
+    """The output of a run."""
 
     interval_s: Positive = 0.005
-    """Snapshots, profiles, ledger; means of the bed need four in a cycle."""
+    """Time between snapshots for ParaView, profiles and the ledger; means of the bed need four in a
+    cycle."""
     series_s: NotNegative = 0.0
-    """Probes, frames, bushings, panel forces; 0: every sync point. Orbits need 20 in a cycle, accelerations
-    one in 0.9 ms."""
+    """Time between rows of probes, frames, bushings and mean panel forces; 0: every sync point.  Orbits
+    need 20 in a cycle, accelerations one in 0.9 ms."""
     shapes_s: NotNegative = 0.0
-    """Panel shapes."""
+    """Time between rows of panel shapes; 0: none."""
     loads_s: NotNegative = 0.0
-    """Loads, for ``flipflow loads``."""
+    """Time between rows of all loads for ``flipflow loads``; 0: none."""
     pictures: Switch = True
-    """At the end."""
+    """Whether pictures are made at the end."""
     cut_size_m: Positive | None = None
-    """Fine from coarse; else the openings' smaller side."""
+    """Size that divides fine from coarse; by default the smaller side of a single deck's largest openings."""

@@ -17,47 +17,49 @@ from orchestrator.case.tables.quantities import Box, Few, Name, Number, Positive
 
 
 class PanelTable(PanelSheet):
-    """A panel clamped at both ends, or a row ``<name>-1`` and so on, with shared cross beams."""
+    """A rectangular panel clamped at both ends, or a row of ``count``, ``<name>-1`` and so on, whose
+    neighbours share cross beams."""
 
     frames: tuple[str, str]
-    """Of the first and the second clamp; a row alternates."""
+    """Frames, or "ground", of the first and the second clamp; in a row they alternate."""
     corner_m: Vector
-    """End of the first clamp's inner edge, from which ``across`` points inwards."""
+    """End of the first clamp's inner edge, from which ``across`` points into the panel."""
     along: Vector = (1.0, 0.0, 0.0)
-    """From the first clamp to the second."""
+    """Direction from the first clamp to the second."""
     across: Vector = (0.0, 1.0, 0.0)
-    """Along the width; ``along`` x ``across`` points to the particles."""
+    """Direction of the width; ``along`` x ``across`` points to the particles."""
     tension_m: Number | None = None
-    """Distance of the clamps less ``length_m``: positive if taut."""
+    """Distance between the clamps minus ``length_m``, positive if taut."""
     span_m: Positive | None = None
-    """Instead: distance of the clamps."""
+    """Instead: distance between the clamps' inner edges."""
     count: Few = 1
-    """Panels in the row."""
+    """Number of panels in the row."""
     pitch_m: Positive | None = None
-    """Distance of their corners."""
+    """Distance of neighbours along ``along``, corner to corner."""
 
 
 class Surface(Table):
-    """A rigid surface with two sides: a file, or a plate of a corner and two edges."""
+    """A rigid surface, touched from both sides: a file, or a plate with a corner and two edges."""
 
     file: str | None = None
-    """STEP, IGES, or with ``unit`` STL, OBJ, PLY, VTK, MSH; it is healed."""
+    """STEP or IGES, or with ``unit`` STL, OBJ, PLY, VTK or MSH (Gmsh); faults are healed, and ``check``
+    names them."""
     stl: str | None = None
-    """Instead: STL in m or ``unit``."""
+    """Instead of ``file``: STL in m, or in ``unit``."""
     unit: Literal["m", "cm", "mm", "in", "ft"] | None = None
     """Unit of the coordinates."""
     scale: Positive | None = None
-    """Factor; else 1."""
+    """Factor of the coordinates; 1 by default."""
     rotation_deg: Vector | None = None
-    """Turn about x, then y, then z."""
+    """Turn about the deck's x, then y, then z axis."""
     move_m: Vector | None = None
     """Shift after the turn."""
     tolerance_m: Positive | None = None
-    """Of triangles from curved faces; else 1e-4."""
+    """Largest distance of triangles from curved faces; 1e-4 by default."""
     corner_m: Vector | None = None
     """Corner of the plate."""
     edges_m: tuple[Vector, Vector] | None = None
-    """Its edges; their vector product points up."""
+    """Edges from it; their vector product points up."""
     frame: str
     """Frame or "ground"."""
     material: str
@@ -65,23 +67,25 @@ class Surface(Table):
 
 
 class Exit(Table):
-    """A box that removes and counts particles."""
+    """A box that removes and counts particles: undersize below the deck, oversize behind it."""
 
     product: Literal["undersize", "oversize"]
-    """What leaves: below the deck, or behind it."""
+    """What leaves here."""
     box_m: Box
-    """Corners, at least 0.55 largest diameters apart. Centres inside leave, unless on a panel."""
+    """Lowest and highest corner, 0.55 of the largest diameter apart or more.  A particle leaves when its
+    centre is inside, unless it lies on a panel."""
 
 
 class Screen(Table):
     """The machine, in deck axes."""
 
     inclination_deg: Number = 0.0
-    """Slope, down along x."""
+    """Slope of the deck, downwards along x."""
     drawn_at_rest: Switch = True
-    """true: bushings carry the weight at t = 0. false: frames drop onto them."""
+    """true: bushings are preloaded, nothing moves before a start. false: frames drop onto unloaded
+    bushings."""
     largest_acceleration_m_per_s2: Annotated[float, Strict(), Gt(0), Le(1e7)] = 392.0
-    """Refuses frames that move harder."""
+    """Frames that would move harder are refused; 40 g by default."""
     frames: dict[Name, Frame] = Field(default_factory=dict)
     """Frames by name."""
     bushings: dict[Name, Bushing] = Field(default_factory=dict)

@@ -28,23 +28,32 @@ MOST_SEEDS = 100  # each run is checked first, in some hundredths of a second
 def command(
     study: CaseStudy,
     parameters: Annotated[
-        str, typer.Option(help="which, with commas; scheme=aitken+robin: only these [default: all]")
+        str, typer.Option(help="which, with commas; scheme=aitken+robin: only these variants [default: all]")
     ] = "",
     values: Annotated[int, typer.Option("--points", min=2, max=7, help="values of each parameter")] = 4,
-    seeds: Annotated[int, typer.Option(min=1, max=MOST_SEEDS, help="runs of each point")] = 3,
+    seeds: Annotated[
+        int, typer.Option(min=1, max=MOST_SEEDS, help="runs of each point, with other random numbers")
+    ] = 3,
     quick: Annotated[bool, typer.Option("--quick", help="as --points 3 --seeds 1")] = False,
     duration: Annotated[
         float | None, typer.Option(min=1e-6, help="seconds to simulate [default: the case's]")
     ] = None,
-    budget: Annotated[float, typer.Option(min=1, help="longest run in processor s")] = 600.0,
-    quantities: Annotated[str, typer.Option(help="errors that decide [default: what repeats itself]")] = "",
-    dry: Annotated[bool, typer.Option("--dry", help="only list the runs and predict their time")] = False,
-    recorded: Annotated[Path | None, typer.Option("--recorded", help="only draw this layers.csv")] = None,
+    budget: Annotated[
+        float, typer.Option(min=1, help="a run predicted to take more processor s is left out")
+    ] = 600.0,
+    quantities: Annotated[
+        str, typer.Option(help="which errors decide, with commas [default: what repeats itself]")
+    ] = "",
+    dry: Annotated[bool, typer.Option("--dry", help="list the runs, predict their time, and stop")] = False,
+    recorded: Annotated[
+        Path | None, typer.Option("--recorded", help="make no run, draw this layers.csv")
+    ] = None,
 ) -> StudyOutput:
-    """Measure the cost of accuracy: run a case over its refinement parameters, one at a time.
+    """Measure the cost of accuracy: run a case over its refinement parameters.
 
-    Then the joint settings are run: the reference, and the cheapest for each tolerance.  A second call makes
-    the missing runs. accuracy.html shows all; flipflow plan uses accuracy.json.
+    One parameter is changed at a time.  Then the proposed joint settings are run: the reference, and for
+    each tolerance the cheapest.  Called again, only missing runs are made. accuracy.html shows all; flipflow
+    plan uses accuracy.json.
 
     Of a folder of cases, each one with an accuracy.toml is studied, and layers.csv has all.  That file has
     title, level, and the options sets, parameters, quantities, points, seeds and budget_s; its table [quick]

@@ -19,19 +19,20 @@ from orchestrator.workbench import CaseProblem, FolderUnusable, StudyFolder
 
 def command(
     studies: Annotated[
-        list[Path], typer.Argument(metavar="STUDY...", help="study.toml files, or their folders")
+        list[Path], typer.Argument(metavar="STUDY...", help="study.toml of design studies, or their folders")
     ],
     known: Annotated[
         list[str] | None,
-        typer.Option("--known", metavar="FACTOR=VALUE", help="a factor that is not sought; repeatable"),
+        typer.Option("--known", metavar="FACTOR=VALUE", help="a factor that is not sought; may be repeated"),
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", help="folder of the calibration [default: runs/calibration]")
     ] = None,
 ) -> StudyOutput:
-    """Find factors at which the targets of design studies are met, with intervals, by runs that are there.
+    """Find the factors at which the targets of design studies are met, with intervals; nothing is run.
 
-    A factor of one name is one factor in all studies.
+    A factor of one name is one factor in all studies: a heap, a shear box and a bulk density together tell
+    what none of them tells alone.  The folder gets calibration.csv and calibration.png.
 
     Exit code 4: no setting meets the targets, or a factor is not found.
     """

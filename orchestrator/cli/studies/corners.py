@@ -34,13 +34,14 @@ def command(
     ] = None,
     result: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="result; repeatable [default: efficiency, velocity]"),
+        typer.Option(metavar="NAME", help="result; may be repeated [default: efficiency, velocity]"),
     ] = None,
-    dry: Annotated[bool, typer.Option("--dry", help="only list the runs and predict their time")] = False,
+    dry: Annotated[bool, typer.Option("--dry", help="list the runs, predict their time, and stop")] = False,
 ) -> StudyOutput:
-    """Run a case as given, and at the four corners of its grains' restitution and rolling friction.
+    """Run a case at the corners of the ranges of its grains' restitution and rolling friction.
 
-    All contacts are at one end together.  The page of as-given has the outcome.
+    The ranges are the library's.  All contacts of grains are at their low or high ends together: five runs
+    with the case as given.  The page of as-given says what was found.
     """
     given = {"restitution": restitution, "rolling_friction": rolling_friction}
     own = {key: _parse_range(key, text) for key, text in given.items() if text is not None}

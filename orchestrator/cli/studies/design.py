@@ -21,12 +21,13 @@ def command(
     study: StudyPath,
     crew: Crew,
     out: Out = None,
-    dry: Annotated[bool, typer.Option("--dry", help="only list the runs and predict their time")] = False,
+    dry: Annotated[bool, typer.Option("--dry", help="list the runs, predict their time, and stop")] = False,
     write_jobs: WriteJobs = False,
 ) -> StudyOutput:
-    """Run the plan of a design study: the centre, then, if it has all responses, settings over the ranges.
+    """Run the plan of a design study: the centre, then settings over the ranges of all factors.
 
-    Centre and corners are checked first.  A second call makes the missing runs.
+    The centre and all corners are checked first; the rest runs if the centre has all responses.  Called
+    again, only missing runs are made.  The results are those of flipflow study fit.
 
     Exit code 4: a run is no data.
     """

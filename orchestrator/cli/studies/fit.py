@@ -9,9 +9,9 @@ from orchestrator.studies.points import Crew
 
 
 def command(study: StudyPath, out: Out = None) -> StudyOutput:
-    """Fit surrogates to the runs of a study that have ended, or to a table.
+    """Fit surrogates to the runs of a study that have ended, or to a table; nothing is run.
 
-    design.html has fits, sensitivities, trade-off and best settings.
+    The folder gets points, fits, sensitivities, trade-off, best settings, pictures and design.html.
     """
     design = DesignStudy(read_study(study), Crew(), out)
     design.load_finished()

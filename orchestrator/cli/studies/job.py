@@ -13,9 +13,12 @@ from orchestrator.workbench import CaseError, CaseProblem
 
 
 def command(
-    study: CaseStudy, folder: Annotated[str, typer.Option("--folder", help="name of the run's folder")]
+    study: CaseStudy,
+    folder: Annotated[str, typer.Option("--folder", help="name of the run's folder in the study's folder")],
 ) -> StudyOutput:
-    """Make one run of a study, as --write-jobs lists them, unless it is done; the study finds it.
+    """Make one run of a study, as --write-jobs of a study lists them, unless it is done.
+
+    The study, called again, finds the run.
 
     Exit code 0: done, doubtful or incomplete; 4: it failed.
     """

@@ -12,8 +12,9 @@ from orchestrator.studies.points import Crew
 def command(study: StudyPath, crew: Crew, out: Out = None) -> StudyOutput:
     """Find the best setting of a design study, and measure it.
 
-    After the plan each run is made where it promises most, within the study's hours or runs.  The best is run
-    again beside the centre and the best simpler design; recommended.toml has it.  A second call goes on.
+    After the plan each run is made where it promises most, within the study's hours or runs.  The best
+    setting is run again with new random numbers, beside the centre and the best simpler design;
+    recommended.toml has it as a level.  Called again, the study goes on.
 
     Exit code 4: no optimum can be stated, or it was not measured as predicted.
     """

@@ -19,13 +19,14 @@ def command(
     study: CaseStudy,
     dry: Annotated[bool, typer.Option("--dry", help="make no run, judge those there")] = False,
     recorded: Annotated[
-        Path | None, typer.Option("--recorded", help="take numbers from this paper.csv")
+        Path | None, typer.Option("--recorded", help="make no run, take numbers from this paper.csv")
     ] = None,
 ) -> StudyOutput:
     """Compare cases with the papers they come from: printed number, computed number, and distance.
 
-    Each criteria.toml with a source has numbers, bands and runs.  A second call makes the missing runs.
-    What is fitted, published or assumed is marked. paper.html shows all.
+    criteria.toml of a case, or of the cases of a folder that name a source, has the numbers, bands and
+    runs.  Called again, only missing runs are made.  A number that is fitted, published or assumed proves
+    nothing and is marked so. paper.html shows all.
 
     Exit code 4: a run failed, or a predicted number is out of its band.
     """

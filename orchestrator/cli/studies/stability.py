@@ -16,17 +16,20 @@ from orchestrator.workbench import CaseError, CaseProblem, StudyFolder
 
 def command(
     crew: Crew,
-    cases: Annotated[Path, typer.Argument(metavar="[FOLDER]", help="folder of benchmarks")] = Path(
+    cases: Annotated[Path, typer.Argument(metavar="[FOLDER]", help="folder with the benchmarks")] = Path(
         "cases/hard"
     ),
-    part: Annotated[str, typer.Option("--part", help="hard, map, or both")] = "hard,map",
-    base: Annotated[str, typer.Option("--map", help="case with a map.toml")] = "interval",
+    part: Annotated[str, typer.Option("--part", help="hard, map, or both with a comma between")] = "hard,map",
+    base: Annotated[
+        str, typer.Option("--map", help="the case of that folder whose map.toml is drawn")
+    ] = "interval",
     out: Annotated[Path, typer.Option("--out", help="folder of the study")] = Path("runs/stability"),
 ) -> StudyOutput:
     """Run all hard cases, and draw the map of stability.
 
-    hard: every case by its criteria.toml.  map: one case over schemes, intervals and masses of the bed.
-    A second call makes the missing runs. stability.html shows all.
+    Part "hard" judges every case by its criteria.toml.  Part "map" runs one case over schemes, intervals and
+    masses of the bed: stable, warned, stopped, or idle without contact.  Called again, only missing runs are
+    made. stability.html shows all.
 
     Exit code 4: a criterion is not met, a known failure is, or a run of the map is missing or idle.
     """

@@ -27,27 +27,31 @@ from orchestrator.workbench import CaseError, CaseProblem, FolderUnusable, Run, 
 def command(
     study: CaseStudy,
     vary: Annotated[
-        list[str], typer.Option(metavar="KEY=VALUES", help="a,b,c or first:last:step; repeatable")
+        list[str],
+        typer.Option(
+            metavar="KEY=VALUES", help="values as a,b,c or first:last:step (both ends); may be repeated"
+        ),
     ],
     plan: Annotated[
         Arrangement,
         typer.Option(
-            help="grid: all combinations; list: first values, second values, ...; "
-            "random: in first:last, or of a list"
+            help="grid: all combinations; list: the keys' first values, second values and so on; "
+            "random: between first:last, or of a list"
         ),
     ] = Arrangement.GRID,
     number: Annotated[int, typer.Option(min=1, max=MOST_VALUES, help="number of runs of a random plan")] = 10,
     seed: Annotated[int, typer.Option(min=0, help="of a random plan")] = 1,
     result: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="result to print and draw; repeatable")
+        list[str] | None, typer.Option(metavar="NAME", help="result to print and draw; may be repeated")
     ] = None,
-    dry: Annotated[bool, typer.Option("--dry", help="only list the runs and predict their time")] = False,
+    dry: Annotated[bool, typer.Option("--dry", help="list the runs, predict their time, and stop")] = False,
     write_jobs: WriteJobs = False,
 ) -> StudyOutput:
     """Run a case over values of one key, or of several keys.
 
-    A second call makes the missing runs. sweep.csv and sweep.parquet have all results of each setting.  In
-    pictures, open marks have not settled, and crosses cannot be trusted.
+    Called again, only missing runs are made; --dry lists and predicts them. sweep.csv and sweep.parquet
+    have amplitudes, drift and all results of each setting.  In pictures, open marks have not settled, and
+    crosses cannot be trusted.
     """
     wanted = check_results(result)
     single = len(vary) == 1 and plan is not Arrangement.RANDOM
