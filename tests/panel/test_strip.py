@@ -14,6 +14,7 @@ from adapters.panel.common.compiled_panel import CompiledPanel
 from adapters.panel.common.panel import BodyPanel
 from adapters.panel.strip.chain import build_chain, stretch_law
 from adapters.panel.strip.motion import ChainMotion
+from adapters.panel.strip.panel import build
 from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.ports import Array, Load, Motion, Panel, PanelState
 from orchestrator.ports.clock import Interval
@@ -113,6 +114,30 @@ def test_compiled_force_is_the_chain_s(mounting: dict[str, float]) -> None:
     x = x + 0.01 * rng.normal(size=x.shape)
     moving = ChainMotion(links, given, x, np.zeros((4, 3)), 1e-5)
     assert difference(moving.internal_N, links.elastic_N(x)) < 1e-13
+
+
+def test_frozen_branches_answer_stretch_and_bending_by_their_ratios() -> None:
+    """Branches that relax in 1e6 s answer all change since the start elastically: springs with their stiffness
+    at the start, bending springs with their own; to 1e-8 of the force, of which 1e-9 has relaxed in 2 ms."""
+    panel = build(taut(8, branches=((0.3, 1e6), (0.2, 1e6))))
+    links, body, rng = panel._chain, panel._body, np.random.default_rng(5)
+    start_m = body.position_m.copy()
+    _, start_length_m = links.spring_directions(start_m)
+    for k in range(20):
+        time_s = (k + 1) * 1e-4
+        load = Load(rng.normal(scale=0.5, size=panel.initial().surface.position_m.shape))
+        panel.advance(Interval(k, 1e-4), shaken(panel, time_s), load)
+    along, length_m = links.spring_directions(body.position_m)
+    pull_N = (links.rate_N_per_m(start_length_m) * (length_m - start_length_m))[:, None] * along
+    bent_1_m = links.curvature_1_m(body.position_m) - links.curvature_1_m(start_m)
+    bent_N = -links.curvature_1_m2.T @ (links.bending_N_m3[:, None] * bent_1_m)
+    pulled_N = np.zeros_like(bent_N)
+    pulled_N[links.springs][:-1] += pull_N
+    pulled_N[links.springs][1:] -= pull_N
+    for alone_N in (bent_N, pulled_N):
+        assert np.abs(alone_N).max() > 1e-4 * np.abs(body.internal_N).max(), "it must be seen if it lacks"
+    expected_N = links.elastic_N(body.position_m) + 0.5 * (pulled_N + bent_N)
+    assert difference(body.internal_N, expected_N) < 1e-8
 
 
 def test_the_compiled_strip_moves_as_the_python_one() -> None:
