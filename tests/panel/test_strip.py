@@ -117,8 +117,8 @@ def test_compiled_force_is_the_chain_s(mounting: dict[str, float]) -> None:
 
 
 def test_frozen_branches_answer_stretch_and_bending_by_their_ratios() -> None:
-    """Branches that relax in 1e6 s answer all change since the start elastically: springs with their stiffness
-    at the start, bending springs with their own; to 1e-8 of the force, of which 1e-9 has relaxed in 2 ms."""
+    """Branches that relax in 1e6 s answer all change since the start elastically: springs with their
+    stiffness at the start, bending springs with their own; to 1e-8 of the force, as 1e-9 relaxes in 2 ms."""
     panel = build(taut(8, branches=((0.3, 1e6), (0.2, 1e6))))
     links, body, rng = panel._chain, panel._body, np.random.default_rng(5)
     start_m = body.position_m.copy()
