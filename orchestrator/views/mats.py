@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from typing import Any
 
@@ -26,11 +27,23 @@ WORDS = {
 
 
 def draw_mats(scene: Scene) -> Iterator[tuple[str, Any]]:
-    """Yield the name and the figure of each kind of mats; none where it is not known how they flip."""
+    """Return the name and the figure of each kind of mats; none where it is not known how they flip.
+
+    The charts are made at once, beside what the caller does until it asks for the first figure.
+    """
     found = mats_or_reason(scene)
-    for mats in found if not isinstance(found, str) else ():
+    if isinstance(found, str):
+        return iter(())
+    with_others = ThreadPoolExecutor()
+    charts = [with_others.submit(make_chart, mats.trial) for mats in found]
+    with_others.shutdown(wait=False)
+    return _drawn(found, charts)
+
+
+def _drawn(found: Sequence[Mats], charts: Sequence[Future[Chart]]) -> Iterator[tuple[str, Any]]:
+    for mats, chart in zip(found, charts, strict=True):
         with suppress(SolverFailed):  # another stroke may be more than the solver can
-            yield mats.panels[0], _draw(mats, make_chart(mats.trial))
+            yield mats.panels[0], _draw(mats, chart.result())
 
 
 def _draw(mats: Mats, chart: Chart) -> Any:

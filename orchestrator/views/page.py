@@ -50,11 +50,12 @@ class Views:
 
     def figures(self) -> Iterator[tuple[str, Any]]:
         """Yield the name and the figure of each drawing: side and top view, kinds of openings and of mats."""
+        of_mats = draw_mats(scene(self._case))
         for view in (SIDE, TOP):
             yield view.name, draw_view(self.machine, view)
         for name, figure in draw_openings(self._case):
             yield f"openings-{name}", figure
-        for name, figure in draw_mats(scene(self._case)):
+        for name, figure in of_mats:
             yield f"mats-{name}", figure
 
     def modes(self) -> str:

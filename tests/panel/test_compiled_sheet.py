@@ -115,13 +115,13 @@ def test_sheets_of_a_set_advance_together_as_they_do_alone(monkeypatch):
     from adapters.panel import sheet
     from adapters.panel.common import carried, compiled_panel
 
-    together, called = compiled_panel.advance_together, []
+    advance, called = compiled_panel.CompiledPanels.__call__, []
 
     def counted(panels, interval, clamps, load):
         called.append(len(panels))
-        return together(panels, interval, clamps, load)
+        return advance(panels, interval, clamps, load)
 
-    monkeypatch.setattr(compiled_panel, "advance_together", counted)
+    monkeypatch.setattr(compiled_panel.CompiledPanels, "__call__", counted)
 
     def opened(number):
         if number == 2:

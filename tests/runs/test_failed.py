@@ -26,12 +26,12 @@ from tests.runs.outside import (
 # (panels of one kind are advanced together), by the load in the middle of the second of two
 NAN_IN_PANEL = """
 from adapters.panel.common import compiled_panel
-advance = compiled_panel.advance_together
+advance = compiled_panel.CompiledPanels.__call__
 def poisoned(panels, interval, clamps, load):
     if interval.index == 2 and interval.end_s < 5e-4:
         load.force_N[3 * len(load) // 4] = float("nan")
     return advance(panels, interval, clamps, load)
-compiled_panel.advance_together = poisoned
+compiled_panel.CompiledPanels.__call__ = poisoned
 """
 NAN_FROM_FRAMES = """
 from adapters.frames import two_mass
@@ -58,7 +58,7 @@ IN_PANELS = """
 import resource, numpy
 from pathlib import Path
 from adapters.panel.common import compiled_panel
-advance = compiled_panel.advance_together
+advance = compiled_panel.CompiledPanels.__call__
 hoard = []
 def used_bytes():
     return 4096 * int(Path("/proc/self/statm").read_text().split()[0])
@@ -66,7 +66,7 @@ def greedy(panels, interval, clamps, load):
     if interval.index == 2 and interval.end_s < 5e-4:
         {what}
     return advance(panels, interval, clamps, load)
-compiled_panel.advance_together = greedy
+compiled_panel.CompiledPanels.__call__ = greedy
 """
 PANELS = "panel deck-1 (strip) and 1 more"
 TOO_MUCH = "numpy.ones(2**50)"

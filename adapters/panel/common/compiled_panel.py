@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,12 +27,12 @@ class CompiledPanel(BodyPanel):
     _body: CompiledBody
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        return advance_together([self], interval, clamps, load)
+        return CompiledPanels([self])(interval, clamps, load)
 
     def join(self, panels: Sequence[Panel]) -> JointAdvance | None:
         """Return the call that advances ``panels`` together, or None where one of them is of another kind."""
         alike = [panel for panel in panels if isinstance(panel, type(self))]
-        return partial(advance_together, alike) if len(alike) == len(panels) else None
+        return CompiledPanels(alike) if len(alike) == len(panels) else None
 
     def account(self) -> Account:
         self._received_J = dict(
@@ -41,36 +40,48 @@ class CompiledPanel(BodyPanel):
         )
         return super().account()
 
-    def pass_interval(self, interval: Interval, found: Any) -> None:
-        """Take note of an interval in which the body reached ``found``.  Raises SolverFailed."""
-        self._check(interval, found)
-        self._elapsed_s += interval.length_s
-
     @abstractmethod
     def _check(self, interval: Interval, found: Any) -> None:
         """Raise SolverFailed if ``found``, what the compiled code says of the body, shows a blow-up."""
 
 
-def advance_together(
-    panels: Sequence[CompiledPanel], interval: Interval, clamps: Motion, load: Load
-) -> PanelState:
-    """Advance panels of one kind by one compiled call; clamps, load and the state returned have one panel
-    after the other."""
-    check_point_count("panels: clamps", clamps, sum([len(panel._clamps.position_m) for panel in panels]))
-    check_point_count("panels: load", load, sum([len(panel._surface.position_m) for panel in panels]))
-    surface_m, surface_m_per_s = np.empty((2, *load.force_N.shape))
-    reaction_N = np.empty_like(clamps.position_m)
-    found = kernel.advance_together(
-        [panel._body.kernel for panel in panels],
-        clamps_m=np.ascontiguousarray(clamps.position_m),
-        clamps_m_per_s=np.ascontiguousarray(clamps.velocity_m_per_s),
-        load_N=np.ascontiguousarray(load.force_N),
-        length_s=interval.length_s,
-        steps=[interval.steps(panel._body.step_s) for panel in panels],
-        surface_m=surface_m,
-        surface_m_per_s=surface_m_per_s,
-        reaction_N=reaction_N,
-    )
-    for panel, of_panel in zip(panels, found, strict=True):
-        panel.pass_interval(interval, of_panel)
-    return PanelState(Motion(surface_m, surface_m_per_s), Load(reaction_N))
+class CompiledPanels:
+    """Panels of one kind that one compiled call advances."""
+
+    def __init__(self, panels: Sequence[CompiledPanel]) -> None:
+        self._panels = panels
+        self._bodies = [panel._body.kernel for panel in panels]
+        self._clamp_points = sum([len(panel._clamps.position_m) for panel in panels])
+        self._surface_points = sum([len(panel._surface.position_m) for panel in panels])
+        self._length_s, self._steps = 0.0, [0]  # of the interval before
+
+    def __len__(self) -> int:
+        return len(self._panels)
+
+    def __call__(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        """Advance the panels over an interval.
+
+        Clamps, load and the state returned have one panel after the other.  Raises SolverFailed.
+        """
+        check_point_count("panels: clamps", clamps, self._clamp_points)
+        check_point_count("panels: load", load, self._surface_points)
+        if interval.length_s != self._length_s:
+            self._length_s = interval.length_s
+            self._steps = [interval.steps(panel._body.step_s) for panel in self._panels]
+        surface_m, surface_m_per_s = np.empty((2, *load.force_N.shape))
+        reaction_N = np.empty_like(clamps.position_m)
+        found = kernel.advance_together(
+            self._bodies,
+            clamps_m=np.ascontiguousarray(clamps.position_m),
+            clamps_m_per_s=np.ascontiguousarray(clamps.velocity_m_per_s),
+            load_N=np.ascontiguousarray(load.force_N),
+            length_s=interval.length_s,
+            steps=self._steps,
+            surface_m=surface_m,
+            surface_m_per_s=surface_m_per_s,
+            reaction_N=reaction_N,
+        )
+        for panel, of_panel in zip(self._panels, found, strict=True):
+            panel._check(interval, of_panel)
+            panel._elapsed_s += interval.length_s
+        return PanelState(Motion(surface_m, surface_m_per_s), Load(reaction_N))
