@@ -1,10 +1,10 @@
 """What other ways of coupling cost, and how far they are off: ``python -m tools.ways_of_others [WORD ...]``.
 
 The tool makes the runs of docs/measured/ways_of_others.csv that flipflow can make, those whose row has each
-WORD, writes their rows and prints the tables of docs/measured/ways_of_others.md; rows of other programs stay
-as they are.  Cost is the processor time of the loop for each simulated second; the start has importing,
-opening, results and all else that a run does once.  Errors are relative, against the row "reference" of the
-same scene; ``error_of`` says whether model or mesh differ from the reference's, too.
+WORD, and writes their rows; rows of other programs stay as they are.  Cost is the processor time of the loop
+for each simulated second; the start has importing, opening, results and all else that a run does once.
+Errors are relative, against the row "reference" of the same scene; ``error_of`` says whether model or mesh
+differ from the reference's, too.
 """
 
 from __future__ import annotations
@@ -149,18 +149,6 @@ def write(rows: Sequence[Mapping[str, str]]) -> None:
             table.writerow({**row, "error": "" if error is None else f"{error:.2g}"})
 
 
-def table(scene: str) -> str:
-    """Return the rows of a scene as a table of Markdown."""
-    lines = ["| way | settings | processor s for each simulated s | start / s | error | status |"]
-    lines.append("| --- | --- | --- | --- | --- | --- |")
-    for row in (row for row in read() if row["scene"] == scene):
-        error = f"{100 * float(row['error']):.2g} %" if row["error"] else ""
-        error += "*" if error and row["error_of"] != "numerics" else ""
-        cells = row["way"], row["settings"], row["processor_s_per_s"], row["start_s"], error, row["status"]
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
-
-
 def main(words: Annotated[list[str] | None, typer.Argument()] = None) -> None:
     """Make the runs whose way, scene and settings have all words, and write the table after each."""
     for each in ways():
@@ -169,7 +157,6 @@ def main(words: Annotated[list[str] | None, typer.Argument()] = None) -> None:
             key = row["way"], row["scene"], row["settings"]
             rows = {(old["way"], old["scene"], old["settings"]): old for old in read()}
             write([*(rows | {key: row}).values()])
-    print(*map(table, SCENES), sep="\n\n")
 
 
 if __name__ == "__main__":

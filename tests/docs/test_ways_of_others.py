@@ -1,12 +1,11 @@
-"""docs/measured/ways_of_others.csv: what its rows say, and the page and the runs that belong to them."""
+"""docs/measured/ways_of_others.csv: what its rows say, and the runs that belong to them."""
 
 from __future__ import annotations
 
 import pytest
 
 import flipflow
-from tests.runs.outside import ROOT
-from tools.ways_of_others import SCENES, Way, parse, read, table, ways
+from tools.ways_of_others import Way, parse, read, ways
 
 ROWS = read()
 OURS = {(way.way, way.scene, way.settings): way for way in ways()}
@@ -39,8 +38,3 @@ def test_a_row_says_how_it_ended_and_its_error_follows_from_the_values(row: dict
     if has_error:
         error = abs(float(row["value"]) / float(exact) - 1.0)
         assert float(row["error"]) == pytest.approx(error, rel=0.05)  # it has two digits
-
-
-def test_the_page_has_the_tables() -> None:
-    page = (ROOT / "docs" / "measured" / "ways_of_others.md").read_text(encoding="utf-8")
-    assert all(table(scene) in page for scene in SCENES)
