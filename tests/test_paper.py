@@ -46,6 +46,7 @@ band = [5.4, 6.6]
 
 
 HALF_WIDTH_MM = 0.05
+FILES = ("paper.csv", "paper.md", "paper_facts.csv", "paper.html")
 
 
 def moved_mm(speed: float) -> tuple[float, float]:
@@ -379,7 +380,7 @@ def test_all_papers_of_a_folder_are_one_table(case: Path) -> None:
         case_folder(case.parent / name, (case / "case.toml").read_text())
         (case.parent / name / "criteria.toml").write_text(text)
     study, files = papers_of(case.parent)
-    assert files == [str(study.folder / name) for name in ("paper.csv", "paper.md", "paper.html")]
+    assert files == [str(study.folder / name) for name in FILES]
     rows = list(csv.DictReader((study.folder / "paper.csv").read_text().splitlines()))
     assert [(row["case"], row["ours"]) for row in rows] == [("case", "predicted"), ("other", "fitted")]
     text = (study.folder / "paper.md").read_text()
@@ -405,10 +406,13 @@ def test_a_fact_counts_once_with_its_worst_number_and_misses_come_first(case: Pa
     study, _ = papers_of(case.parent)
     text = (study.folder / "paper.md").read_text()
     assert "Of 2 facts: 1 NOT MET, 1 met." in text
-    facts = [line.split(" | ") for line in text.splitlines() if line.endswith(("NOT MET |", "met |"))]
-    assert [cells[0] for cells in facts] == ["| stroke", "| ", "| ", "| slow stroke"]
-    assert [cells[1] for cells in facts] == ["c, other", "a, case", "a, other", "b, case"]
-    assert [cells[-1] for cells in facts] == ["NOT MET |", "met |", "met |", "met |"]
+    (line,) = (line for line in text.splitlines() if line.endswith(("NOT MET |", "met |")))
+    assert line.startswith("| stroke | c, other | ")
+    assert "\n- **Met**: slow stroke.\n- **stroke**: 2 of 3 numbers are met.\n" in text
+    facts = [*csv.DictReader((study.folder / "paper_facts.csv").read_text().splitlines())]
+    assert [row["fact"] for row in facts] == ["stroke", "stroke", "stroke", "slow stroke"]
+    assert [row["number"] for row in facts] == ["c, other", "a, case", "a, other", "b, case"]
+    assert [row["verdict"] for row in facts] == ["NOT MET", "met", "met", "met"]
     page = (study.folder / "paper.html").read_text()
     assert page.index("slow stroke") > page.index("<td>stroke")
 
@@ -431,7 +435,7 @@ def test_the_page_of_recorded_numbers_needs_no_run(case: Path) -> None:
     assert [*command(again, recorded=table)]
     text = (again.folder / "paper.md").read_text()
     assert "\n  an old run\n" in text
-    assert "| 8.5 mm |" in text
+    assert ",8.5 mm," in (again.folder / "paper_facts.csv").read_text()
     assert "| slow stroke | b, case | 6 mm | no number |" in text
     assert "not recorded" in text
 

@@ -37,6 +37,8 @@ RULES = (
 HEAD = ("number", "published", "experiment", "ours", "distance", "ours is", "band", "verdict")
 COUNTED = ("as own theory", "fitted, inside", "assumed, inside", "published, inside", "not compared")
 """Verdicts of numbers that ``paper.csv`` and ``paper.html`` have, and ``paper.md`` only counts."""
+INSIDE = ("sign only", "met")
+"""Verdicts of facts that ``paper.md`` only names."""
 
 
 def find_papers(study: CaseStudy) -> list[tuple[CaseCriteria, Path]]:
@@ -115,11 +117,11 @@ def write_paper(
     study: CaseStudy,
     recorded: Path | None = None,
 ) -> list[Path]:
-    """Write ``paper.md`` and ``paper.html``: every published number beside ours, and return both files.
+    """Write ``paper.md``, ``paper_facts.csv`` and ``paper.html``, and return the files.
 
     ``recorded`` is the file of the numbers if they were measured before.
-    Facts come first, the misses among them before the rest.  ``paper.html`` has every number, ``paper.md``
-    the numbers of facts and those that are out of their band.
+    Facts come first, the misses among them before the rest.  ``paper.html`` has every number,
+    ``paper_facts.csv`` those of facts, ``paper.md`` those that are out of their band or not known.
     """
     facts = predicted_facts(results)
     of_file = "" if recorded is None else f" --recorded {recorded}"
@@ -135,12 +137,14 @@ def write_paper(
     ]
     of_facts = [cells for fact in facts for cells in fact_rows(fact)]
     of_a_fact = {id(each) for fact in facts for each in fact.results}
+    open_facts = [cells for cells in of_facts if cells[-1] not in INSIDE]
     text = [
         "# Published numbers and ours",
         f"`flipflow study paper {study.case}{of_file}` makes this page. {counted}",
         *RULES,
         "## Facts",
-        markdown_table(FACT_HEAD, of_facts),
+        *([markdown_table(FACT_HEAD, open_facts)] if open_facts else []),
+        facts_inside(facts),
     ]
     of_cases, source = [], ""
     for paper, counted_of_case, notes, _ in parts:
@@ -154,6 +158,8 @@ def write_paper(
     shown = [(each.case, *row(each)) for each in worst_first(others) if each.verdict not in COUNTED]
     text += ["## Other numbers out of their band", markdown_table(("case", *HEAD), shown)] if shown else []
     folder = StudyFolder(study.folder)
+    rows = [dict(zip(FACT_HEAD, cells, strict=True)) for cells in of_facts]
+    table = folder.write_csv("paper_facts.csv", rows)
     file = folder.write_text("paper.md", "\n\n".join(part.rstrip() for part in text) + "\n")
     page = folder.write_page(
         "paper.html",
@@ -164,7 +170,20 @@ def write_paper(
         fact_head=FACT_HEAD,
         facts=of_facts,
     )
-    return [file, page]
+    return [file, table, page]
+
+
+def facts_inside(facts: Sequence[Fact]) -> str:
+    """Return the names of the facts that are met or whose sign is, and how many numbers of others are."""
+    lines = []
+    for verdict in reversed(INSIDE):
+        names = ";\n  ".join(fact.name for fact in facts if fact.verdict == verdict)
+        lines += [f"- **{verdict.capitalize()}**: {names}."] if names else []
+    for fact in facts:
+        inside = sum(each.verdict in INSIDE for each in fact.results)
+        if inside and fact.verdict not in INSIDE:
+            lines.append(f"- **{fact.name}**: {inside} of {len(fact.results)} numbers are met.")
+    return "\n".join([*lines, "- **All numbers** of facts: [paper_facts.csv](paper_facts.csv)."])
 
 
 def fact_rows(fact: Fact) -> list[tuple[str, ...]]:
@@ -174,7 +193,7 @@ def fact_rows(fact: Fact) -> list[tuple[str, ...]]:
     A reason of a band that several numbers have stands in the first row.
     """
     rows: list[tuple[str, ...]] = []
-    name, reasons = fact.name, {""}
+    reasons = {""}
     for each in fact.results:
         if each.verdict in COUNTED:
             continue
@@ -182,7 +201,7 @@ def fact_rows(fact: Fact) -> list[tuple[str, ...]]:
         reason = "" if each.row.why in reasons else f" ({each.row.why})"
         rows.append(
             (
-                name,
+                fact.name,
                 f"{what}{each.case}{reason}",
                 each.reference_in_words,
                 each.value_in_words,
@@ -191,7 +210,6 @@ def fact_rows(fact: Fact) -> list[tuple[str, ...]]:
                 each.verdict,
             )
         )
-        name = ""
         reasons.add(each.row.why)
     return rows
 

@@ -21,3 +21,5 @@ def test_the_page_is_that_of_the_recorded_numbers(tmp_path: Path, monkeypatch: p
     written = (study.folder / "paper.md").read_text(encoding="utf-8")
     assert written == (ROOT / "docs/measured/papers.md").read_text(encoding="utf-8")
     assert "not recorded" not in written
+    facts = (study.folder / "paper_facts.csv").read_text(encoding="utf-8")
+    assert facts == (ROOT / "docs/measured/paper_facts.csv").read_text(encoding="utf-8")
