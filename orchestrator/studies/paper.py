@@ -23,6 +23,7 @@ from orchestrator.workbench.vocabulary import did_you_mean
 
 RECORDED = ("case", "criterion", "value", "half width", "unit")
 FACT_HEAD = ("fact", "number", "published", "ours", "distance", "band", "verdict")
+OPEN_HEAD = ("fact", "number", "published", "ours", "verdict")
 RULES = (
     "A **fact** is one thing that a paper says. It counts once, with the verdict of the worst of our numbers "
     "for it. Misses come first.\n"
@@ -137,28 +138,21 @@ def write_paper(
     ]
     of_facts = [cells for fact in facts for cells in fact_rows(fact)]
     of_a_fact = {id(each) for fact in facts for each in fact.results}
-    open_facts = [cells for cells in of_facts if cells[-1] not in INSIDE]
+    rows = [dict(zip(FACT_HEAD, cells, strict=True)) for cells in of_facts]
+    shown_facts = [[each[name] for name in OPEN_HEAD] for each in rows if each["verdict"] not in INSIDE]
     text = [
         "# Published numbers and ours",
         f"`flipflow study paper {study.case}{of_file}` makes this page. {counted}",
         *RULES,
         "## Facts",
-        *([markdown_table(FACT_HEAD, open_facts)] if open_facts else []),
+        *([markdown_table(OPEN_HEAD, shown_facts)] if shown_facts else []),
         facts_inside(facts),
     ]
-    of_cases, source = [], ""
-    for paper, counted_of_case, notes, _ in parts:
-        level = f", level {paper.level}" if paper.level else ""
-        of_source = "the same source" if paper.criteria.source == source else paper.criteria.source
-        source = paper.criteria.source
-        after = "".join(f"  {note}\n" for note in notes)
-        of_cases.append(f"- **{paper.name}**{level}: {counted_of_case}\n  ({of_source})\n{after}".rstrip())
-    text += ["## Cases", "\n".join(of_cases)]
+    text += ["## Cases", cases_by_source(results)]
     others = [each for _, of_case in results for each in of_case if id(each) not in of_a_fact]
     shown = [(each.case, *row(each)) for each in worst_first(others) if each.verdict not in COUNTED]
     text += ["## Other numbers out of their band", markdown_table(("case", *HEAD), shown)] if shown else []
     folder = StudyFolder(study.folder)
-    rows = [dict(zip(FACT_HEAD, cells, strict=True)) for cells in of_facts]
     table = folder.write_csv("paper_facts.csv", rows)
     file = folder.write_text("paper.md", "\n\n".join(part.rstrip() for part in text) + "\n")
     page = folder.write_page(
@@ -171,6 +165,21 @@ def write_paper(
         facts=of_facts,
     )
     return [file, table, page]
+
+
+def cases_by_source(results: Sequence[tuple[CaseCriteria, Sequence[CriterionResult]]]) -> str:
+    """Return the sources, each with its cases and what their numbers came to, and the remarks on cases."""
+    by_source: dict[str, list[str]] = {}
+    by_note: dict[str, list[str]] = {}
+    for paper, of_case in results:
+        level = f" (level {paper.level})" if paper.level else ""
+        counted = counts([each.verdict for each in of_case], "numbers")
+        by_source.setdefault(paper.criteria.source, []).append(f"  - {paper.name}{level}: {counted}")
+        for note in dict.fromkeys(each.note for each in of_case if each.note):
+            by_note.setdefault(note, []).append(paper.name)
+    lines = ["\n".join([f"- {source}", *cases]) for source, cases in by_source.items()]
+    notes = [f"{', '.join(names)}: {note}" for note, names in by_note.items()]
+    return "\n\n".join(["\n".join(lines), *notes])
 
 
 def facts_inside(facts: Sequence[Fact]) -> str:
