@@ -73,9 +73,16 @@ def choose_mounting(moved: Scene) -> Choice | None:
     """Return the best mounting for the machine of a scene, or None if no mat hangs down in every turn."""
     trials = [trial for _, trial in trials_of(moved)]
     tried = _mountings(trials)
-    first = _try(trials, tried, [WANTED, SOFT], FIRST_CELLS, FIRST_TURNS)
-    hanging = [number for number, found in enumerate(first) if _all_hang(itertools.chain(*found))]
-    short = [tried[number] for number in sorted(hanging, key=lambda n: _off_g(first[n][0]))[:SHORT_LIST]]
+    first = _try(trials, tried, [WANTED], FIRST_CELLS, FIRST_TURNS)
+    hanging = [number for number, (regimes,) in enumerate(first) if _all_hang(regimes)]
+    hanging.sort(key=lambda number: _off_g(first[number][0]))
+    short: list[Mounting] = []
+    while hanging and len(short) < SHORT_LIST:
+        next_few = [tried[number] for number in hanging[:SHORT_LIST]]
+        soft = _try(trials, next_few, [SOFT], FIRST_CELLS, FIRST_TURNS)
+        short += [mounting for mounting, (regimes,) in zip(next_few, soft, strict=True) if _all_hang(regimes)]
+        del hanging[:SHORT_LIST]
+    del short[SHORT_LIST:]
     around = [WANTED, *NEIGHBOURS]
     found = _try(trials, short, around, CELLS, TURNS) if short else []
     choices = [
