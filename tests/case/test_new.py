@@ -17,10 +17,12 @@ from orchestrator.case.materials.typical_feed import finer_share
 from orchestrator.cli import new
 from orchestrator.cli.main import app
 from orchestrator.cli.proposal import levels, machine, two_mass
+from orchestrator.cli.proposal import propose as propose_module
 from orchestrator.cli.proposal.layout import lay_out, panel_length_m
 from orchestrator.cli.proposal.proposal import Proposal, mean_stroke_m
 from orchestrator.cli.proposal.propose import find_refusals, propose
 from orchestrator.cli.proposal.wishes import TEMPLATES, ImpossibleWishes, read_wishes
+from orchestrator.ports.plans import SolverMissing
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.judge import JudgedCase, load_judged
@@ -37,6 +39,16 @@ FREE = [name for name, template in TEMPLATES.items() if template.is_free]
 @cache
 def proposed(template: str) -> Proposal:
     return propose(read_wishes(template, {}), template)
+
+
+@pytest.fixture
+def mats_as_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Proposals without the trials that choose how mats are mounted, which take most of their time."""
+
+    def missing(_: object) -> None:
+        raise SolverMissing("no trial")
+
+    monkeypatch.setattr(propose_module, "choose_mounting", missing)
 
 
 def write(template: str, place: Path) -> Path:
@@ -116,6 +128,7 @@ def test_another_machine_has_its_own_stroke_and_a_draft_that_says_what_it_leaves
     assert levels.predicted_s(judged.case) == pytest.approx(proposal.run_s["draft"])
 
 
+@pytest.mark.usefixtures("mats_as_drawn")
 @pytest.mark.solver
 def test_air_is_proposed_where_it_matters_to_the_finest_grains_of_the_study() -> None:
     """Coal of 0.75 mm falls with 3.7 m/s in the end (Schiller and Naumann) and is thrown with 2; limestone of
@@ -249,6 +262,7 @@ def test_a_typical_feed_is_the_curve_of_its_material() -> None:
     assert finer_share(scalped, 0.015) == pytest.approx(expected, abs=0.01)
 
 
+@pytest.mark.usefixtures("mats_as_drawn")
 @pytest.mark.solver
 def test_feed_cut_and_moisture_reach_the_case(tmp_path: Path) -> None:
     """The sieve analysis goes into the case's folder as it is; both levels can be run."""
@@ -269,6 +283,7 @@ def test_feed_cut_and_moisture_reach_the_case(tmp_path: Path) -> None:
     assert "by its sieve analysis; 36% is finer than the cut of 6 mm" in remark
 
 
+@pytest.mark.usefixtures("mats_as_drawn")
 @pytest.mark.solver
 def test_a_curve_of_twelve_sieves_is_sampled_in_both_levels(tmp_path: Path) -> None:
     """The particles are sampled from a quarter of the openings up, in a draft that takes minutes and leaves
@@ -334,6 +349,7 @@ def test_the_inertia_of_long_and_wide_frames_is_that_of_a_body(length: str, widt
         assert 2 * max(frame.inertia_kg_m2) <= sum(frame.inertia_kg_m2) * (1 + 1e-12)
 
 
+@pytest.mark.usefixtures("mats_as_drawn")
 @pytest.mark.solver
 @pytest.mark.parametrize(
     ("panels", "length", "near"), [("1", "0.25 m", "+3%"), ("1", "0.2 m", "-11%"), ("2", "0.3 m", "+15%")]
@@ -353,6 +369,7 @@ def test_a_machine_near_resonance_is_called_doubtful(
         assert complaint in proposal.files["README.md"]
 
 
+@pytest.mark.usefixtures("mats_as_drawn")
 @pytest.mark.solver
 def test_a_deck_of_long_panels_is_meshed_and_called_doubtful() -> None:
     proposal = propose(read_wishes("flip-flow", {"length": "6 m", "panels": "2"}), "mine")
@@ -360,6 +377,7 @@ def test_a_deck_of_long_panels_is_meshed_and_called_doubtful() -> None:
     assert len(doubts(proposal)) > len(doubts(usual))
 
 
+@pytest.mark.usefixtures("mats_as_drawn")
 @pytest.mark.parametrize(
     ("answers", "doubt"),
     [
@@ -472,6 +490,7 @@ def test_interrupted_questions_end_with_130_and_one_line(
     assert not [*tmp_path.iterdir()]
 
 
+@pytest.mark.usefixtures("mats_as_drawn")
 @pytest.mark.solver
 def test_defaults_are_named_where_nobody_can_be_asked(tmp_path: Path) -> None:
     words = ["--template", "test-rig", "--width", "0.4 m"]
@@ -489,6 +508,7 @@ def test_defaults_are_named_where_nobody_can_be_asked(tmp_path: Path) -> None:
     assert texts[0] == texts[1]
 
 
+@pytest.mark.usefixtures("mats_as_drawn")
 @pytest.mark.solver
 @pytest.mark.smoke
 def test_a_terminal_is_asked_and_a_wrong_answer_is_asked_again(
@@ -513,6 +533,7 @@ def test_a_terminal_is_asked_and_a_wrong_answer_is_asked_again(
     assert texts[0] == texts[1]
 
 
+@pytest.mark.usefixtures("mats_as_drawn")
 @pytest.mark.solver
 def test_an_impossible_answer_in_a_terminal_is_asked_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -530,6 +551,7 @@ def test_an_impossible_answer_in_a_terminal_is_asked_again(
     assert f"flipflow check {tmp_path}/rigs/mine " in readme
 
 
+@pytest.mark.usefixtures("mats_as_drawn")
 @pytest.mark.solver
 def test_a_draft_that_takes_too_long_is_called_doubtful() -> None:
     """Openings of half a millimetre want so many particles that no draft is cheap."""
@@ -574,6 +596,7 @@ def test_each_template_runs(template: str, tmp_path: Path) -> None:
         assert results["material"]["lost"]["number"] == results["material"]["escaped"]["number"] == 0
 
 
+@pytest.mark.usefixtures("mats_as_drawn")
 @pytest.mark.solver
 def test_the_shape_of_grains_is_that_of_the_material_or_as_it_is_asked_for(tmp_path: Path) -> None:
     """Crushed limestone is angular, and the answer says so; pebbles of it are rounded."""
