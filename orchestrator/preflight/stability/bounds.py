@@ -28,12 +28,7 @@ from orchestrator.preflight.scene.scene import Scene, bed_kg, deck_m2
 from orchestrator.preflight.stability import limits
 from orchestrator.preflight.stability.modes import FrameMatrices, areal_kg_per_m2, lightest_point_kg
 
-SECTIONS = {
-    "shortest impact": "impacts",
-    "whole impacts": "what is sure",
-    "moving surface": "moving surfaces",
-    "driven surface": "moving surfaces",
-}
+SECTIONS = {"whole impacts": "what is sure"}
 """Sections of docs/theory/stability.md by the name of the bound, if the two names differ."""
 
 
