@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from adapters.frames.common.drive import DrivenPoints, driven_pose
+from adapters.frames.common.drive import DrivenBodies
 from orchestrator.ports import Account, Known, Load, Motion, Pose, check_point_count, linear_frames
 from orchestrator.ports.adapters import FramesAdapter
 from orchestrator.ports.clock import Interval
@@ -32,8 +32,8 @@ class PrescribedFrames(SavedAttributes):
             )
         linear_frames.numbers(plan, plan.carrier)
         linear_frames.driven(plan)
-        self._plan, self._points = plan, DrivenPoints(plan)
-        self._now, self._now_s = self._points.at(0.0), 0.0
+        self._plan, self._bodies = plan, DrivenBodies(plan)
+        self._now, self._now_s = self._bodies.points(0.0), 0.0
         self._impulse_N_s = np.zeros(3)
         self._received_J = 0.0
 
@@ -42,7 +42,7 @@ class PrescribedFrames(SavedAttributes):
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         check_point_count("frames' reaction", reaction, len(self._now))
-        before, self._now, self._now_s = self._now, self._points.at(interval.end_s), interval.end_s
+        before, self._now, self._now_s = self._now, self._bodies.points(interval.end_s), interval.end_s
         moved_m = self._now.position_m - before.position_m
         self._received_J += float(np.sum(reaction.force_N * moved_m))
         self._impulse_N_s += interval.length_s * reaction.force_N.sum(axis=0)
@@ -52,10 +52,10 @@ class PrescribedFrames(SavedAttributes):
         """Return the motion of all points; points without a drive stand still."""
         if not self._plan.drives:
             return None
-        return Known(self._points.at(interval.end_s), np.ones(len(self._now), dtype=np.bool_))
+        return Known(self._bodies.points(interval.end_s), np.ones(len(self._now), dtype=np.bool_))
 
     def pose(self) -> Pose:
-        return driven_pose(self._plan, self._now_s)
+        return self._bodies.pose(self._now_s)
 
     def account(self) -> Account:
         """Return the account of massless bodies: the drives return at once the impulse and the work they

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from adapters.frames import exudyn, prescribed, two_mass
-from adapters.frames.common.drive import carried_motion
+from adapters.frames.common.drive import driving
 from orchestrator.ports import Array, Load
 from orchestrator.ports.clock import Interval, intervals
-from orchestrator.ports.plans import FramesPlan
+from orchestrator.ports.plans import DrivePlan, FramesPlan
 from tests.frames.contract import both_driven, compared, defect_J, drive, loads, one_driven
 from tests.frames.driven_base import (
     NONE,
@@ -29,6 +29,11 @@ from tests.frames.machines import GRAVITY, body, exciter
 
 pytestmark = pytest.mark.solver
 TURN_rad = np.array([0.1, 0.35, -0.15])
+
+
+def carried(drive: DrivePlan, points_m: Array, time_s: float) -> tuple[Array, Array]:
+    """Position and velocity of points that a driven body carries."""
+    return driving(drive, time_s).carried(points_m - drive.center_m)
 
 
 def end_of(plan: FramesPlan, steps: int) -> Array:
@@ -102,7 +107,7 @@ def test_nothing_turns_a_driven_body_from_its_path() -> None:
     for index, force_N in enumerate(100 * loads(300)):
         interval = Interval(index, plan.sync_interval_s)
         motion = frames.advance(interval, Load(force_N))
-        place_m, speed_m_per_s = carried_motion(plan.drives[0], plan.points_m[:2], interval.end_s)
+        place_m, speed_m_per_s = carried(plan.drives[0], plan.points_m[:2], interval.end_s)
         assert motion.position_m[:2] == pytest.approx(place_m, abs=1e-14)
         assert motion.velocity_m_per_s[:2] == pytest.approx(speed_m_per_s, abs=1e-12)
 
@@ -117,7 +122,7 @@ def test_a_drive_gives_its_body_momentum_and_energy() -> None:
     frames, force_N = exudyn.build(plan), loads(2)[1]
     for interval in intervals(0.31, plan.sync_interval_s):
         motion = frames.advance(interval, Load(force_N))
-    place_m, speed_m_per_s = (value[0] for value in carried_motion(alone, np.zeros((1, 3)), 0.31))
+    place_m, speed_m_per_s = (value[0] for value in carried(alone, np.zeros((1, 3)), 0.31))
     spin_rad_per_s = 0.02 * 78.5 * np.cos(78.5 * 0.31 + alone.rotation_phase_rad[1])
     inertia_kg_m2 = plan.bodies[0].inertia_kg_m2[1, 1]
     energy_J = 764 * speed_m_per_s @ speed_m_per_s / 2 + inertia_kg_m2 * spin_rad_per_s**2 / 2

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from adapters.frames.common.drive import angular_velocity, carried_motion
+from adapters.frames.common.drive import angular_velocity, driving
 from adapters.frames.prescribed import build
-from orchestrator.ports import Load
+from orchestrator.ports import Array, Load
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import DrivePlan, FramesPlan
 from tests.frames.machines import POINTS_M, exciter, two_bodies
@@ -29,6 +29,11 @@ DRIVE = DrivePlan(
 )
 
 
+def carried(drive: DrivePlan, points_m: Array, time_s: float) -> tuple[Array, Array]:
+    """Position and velocity of points that a driven body carries."""
+    return driving(drive, time_s).carried(points_m - drive.center_m)
+
+
 def plan(*drives: DrivePlan) -> FramesPlan:
     return replace(two_bodies(drawn_at_rest=False), bushings=(), drives=drives)
 
@@ -38,9 +43,9 @@ def test_velocity_is_the_derivative_of_position(time_s: float) -> None:
     """Fourth-order differences with h = 2e-5 s: error (w h)^4 / 30 = 2e-13 of the speed, plus
     rounding 1e-16 / h = 5e-12 m/s."""
     h = 2e-5
-    x = {k: carried_motion(DRIVE, POINTS_M, time_s + k * h)[0] for k in (-2, -1, 1, 2)}
+    x = {k: carried(DRIVE, POINTS_M, time_s + k * h)[0] for k in (-2, -1, 1, 2)}
     difference = (8 * (x[1] - x[-1]) - (x[2] - x[-2])) / (12 * h)
-    assert carried_motion(DRIVE, POINTS_M, time_s)[1] == pytest.approx(difference, abs=5e-10)
+    assert carried(DRIVE, POINTS_M, time_s)[1] == pytest.approx(difference, abs=5e-10)
 
 
 @given(st.lists(st.floats(-3, 3), min_size=6, max_size=6))
@@ -72,7 +77,7 @@ def test_distances_within_a_body_stay() -> None:
 def test_full_speed_is_the_harmonic_itself() -> None:
     still = np.zeros(3)
     drive = replace(DRIVE, rotation_rad=still, center_m=still)
-    position_m, velocity_m_per_s = carried_motion(drive, POINTS_M, 0.5)
+    position_m, velocity_m_per_s = carried(drive, POINTS_M, 0.5)
     angle = 78.5 * 0.5 + drive.phase_rad
     assert position_m - POINTS_M == pytest.approx(
         np.tile(drive.amplitude_m * np.sin(angle), (4, 1)), abs=1e-15

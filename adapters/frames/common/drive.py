@@ -45,32 +45,13 @@ def driving(drive: DrivePlan, time_s: float) -> Driving:
     """Return the motion that the drive prescribes."""
     from scipy.spatial.transform import Rotation
 
-    when_s = np.array([time_s])
-    shift_m, shift_m_per_s = displacement(drive, when_s)
-    turn_rad, turn_rad_per_s = rotation(drive, when_s)
+    ((shift_m, turn_rad),), ((shift_m_per_s, turn_rad_per_s),) = coordinates(drive, np.array([time_s]))
     return Driving(
-        drive.center_m + shift_m[0],
-        shift_m_per_s[0],
-        Rotation.from_rotvec(turn_rad[0]),
-        angular_velocity(turn_rad[0], turn_rad_per_s[0]),
+        drive.center_m + shift_m,
+        shift_m_per_s,
+        Rotation.from_rotvec(turn_rad),
+        angular_velocity(turn_rad, turn_rad_per_s),
     )
-
-
-def carried_motion(drive: DrivePlan, points_m: Array, time_s: float) -> tuple[Array, Array]:
-    """Return position and velocity, (n, 3) each, of points that a driven body carries."""
-    return driving(drive, time_s).carried(points_m - drive.center_m)
-
-
-def driven_pose(plan: FramesPlan, time_s: float) -> Pose:
-    """Return the exact pose of a plan's bodies at a time; bodies without a drive stand as they were drawn."""
-    pose = drawn_pose(plan)
-    for number, drive in zip(driven(plan), plan.drives, strict=True):
-        now = driving(drive, time_s)
-        pose.position_m[number], pose.velocity_m_per_s[number] = now.carried(
-            pose.position_m[number] - drive.center_m
-        )
-        pose.rotation[number], pose.spin_rad_per_s[number] = now.rotation.as_matrix(), now.spin_rad_per_s
-    return pose
 
 
 def drawn_pose(plan: FramesPlan) -> Pose:
@@ -80,43 +61,57 @@ def drawn_pose(plan: FramesPlan) -> Pose:
     return Pose(position_m, np.tile(np.eye(3), (bodies, 1, 1)), *np.zeros((2, bodies, 3)))
 
 
-class DrivenPoints:
-    """The carried points of a plan, moved by its drives; all other points stay where they were drawn."""
+class DrivenBodies:
+    """The bodies and carried points of a plan, moved by its drives; all others stay where they were drawn."""
 
     def __init__(self, plan: FramesPlan) -> None:
-        self._points_m, carrier = plan.points_m, np.array(plan.carrier, dtype=str)
-        self._driven = [(drive, np.flatnonzero(carrier == drive.body)) for drive in plan.drives]
+        self._plan, self._points_m, carrier = plan, plan.points_m, np.array(plan.carrier, dtype=str)
+        self._carried = [np.flatnonzero(carrier == drive.body) for drive in plan.drives]
         self.still_or_driven = np.isin(carrier, ["ground", *(d.body for d in plan.drives)])
-        self.at = lru_cache(maxsize=1)(self._at)  # an interval's end is looked at ahead, and then reached
+        # an interval's end is looked at ahead, and then reached
+        self._drivings = lru_cache(maxsize=1)(lambda time_s: [driving(row, time_s) for row in plan.drives])
+        self.points = lru_cache(maxsize=1)(self._points)
 
-    def _at(self, time_s: float) -> Motion:
+    def _points(self, time_s: float) -> Motion:
         """Return the exact motion of all points."""
         position_m = self._points_m.copy()
         velocity_m_per_s = np.zeros_like(position_m)
-        for drive, points in self._driven:
-            position_m[points], velocity_m_per_s[points] = carried_motion(
-                drive, self._points_m[points], time_s
-            )
+        for drive, now, points in zip(self._plan.drives, self._drivings(time_s), self._carried, strict=True):
+            arm_m = self._points_m[points] - drive.center_m
+            position_m[points], velocity_m_per_s[points] = now.carried(arm_m)
         return Motion(position_m, velocity_m_per_s)
+
+    def pose(self, time_s: float) -> Pose:
+        """Return the exact pose of all bodies."""
+        pose = drawn_pose(self._plan)
+        for number, drive, now in zip(
+            driven(self._plan), self._plan.drives, self._drivings(time_s), strict=True
+        ):
+            arm_m = pose.position_m[number] - drive.center_m
+            pose.position_m[number], pose.velocity_m_per_s[number] = now.carried(arm_m)
+            pose.rotation[number], pose.spin_rad_per_s[number] = now.rotation.as_matrix(), now.spin_rad_per_s
+        return pose
 
     def ahead(self, interval: Interval) -> Known | None:
         """Return the motion at the interval's end of the points on driven bodies and on the ground.
 
         The result is None without drives.
         """
-        if not self._driven:
+        if not self._carried:
             return None
-        return Known(self.at(interval.end_s), self.still_or_driven)
+        return Known(self.points(interval.end_s), self.still_or_driven)
 
 
-def displacement(drive: DrivePlan, time_s: Array) -> tuple[Array, Array]:
-    """Return displacement of the centre and its rate, (n, 3) each, at the times (n,)."""
-    return _harmonic(drive, drive.amplitude_m, drive.phase_rad, time_s)
-
-
-def rotation(drive: DrivePlan, time_s: Array) -> tuple[Array, Array]:
-    """Return the rotation vector and its rate, (n, 3) each, at the times (n,)."""
-    return _harmonic(drive, drive.rotation_rad, drive.rotation_phase_rad, time_s)
+def coordinates(drive: DrivePlan, time_s: Array) -> tuple[Array, Array]:
+    """Return displacement of the centre and rotation vector (n, 2, 3) at the times (n,), and their rates."""
+    size = np.array([drive.amplitude_m, drive.rotation_rad])
+    time_s = time_s[:, None, None]
+    angle = drive.speed_rad_per_s * time_s + np.array([drive.phase_rad, drive.rotation_phase_rad])
+    ramp, ramp_1_s = run_up(time_s, drive.run_up_s)
+    sine = np.sin(angle)
+    value = ramp * size * sine
+    rate = size * (ramp_1_s * sine + ramp * drive.speed_rad_per_s * np.cos(angle))
+    return value, rate
 
 
 def angular_velocity(turn_rad: Array, rate_rad_per_s: Array) -> Array:
@@ -136,12 +131,3 @@ def angular_velocity(turn_rad: Array, rate_rad_per_s: Array) -> Array:
     turn = skew(turn_rad)
     across = turn @ rate_rad_per_s
     return np.asarray(rate_rad_per_s + one_minus_cos * across + one_minus_sinc * (turn @ across))
-
-
-def _harmonic(drive: DrivePlan, size: Array, phase_rad: Array, time_s: Array) -> tuple[Array, Array]:
-    """Return value and rate, (n, 3) each, of  ramp(t) * size * sin(w t + phase)."""
-    ramp, ramp_1_s = (one[:, None] for one in run_up(time_s, drive.run_up_s))
-    angle = drive.speed_rad_per_s * time_s[:, None] + phase_rad
-    value = ramp * size * np.sin(angle)
-    rate = size * (ramp_1_s * np.sin(angle) + ramp * drive.speed_rad_per_s * np.cos(angle))
-    return value, rate

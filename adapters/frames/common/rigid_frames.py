@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from adapters.frames.common.drive import DrivenPoints
+from adapters.frames.common.drive import DrivenBodies
 from adapters.frames.common.elements import BushingElements
 from adapters.frames.common.exciter import Shaft
 from adapters.frames.common.ledger import FramesLedger
@@ -42,7 +42,7 @@ class RigidFrames(SavedAttributes):
     def __init__(self, plan: FramesPlan) -> None:
         whole = plan
         plan = replace(plan, bushings=tuple(bushing.beside_elements() for bushing in plan.bushings))
-        self._plan, self._driven_points = plan, DrivenPoints(plan)
+        self._plan, self._driven_bodies = plan, DrivenBodies(plan)
         self._carrier, self._free = numbers(plan, plan.carrier), free(plan)
         self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
         self._machine = linearise(plan, self.COORDINATES)
@@ -57,7 +57,7 @@ class RigidFrames(SavedAttributes):
         self._shafts: Sequence[Shaft] = ()
 
     def ahead(self, interval: Interval) -> Known | None:
-        return self._driven_points.ahead(interval)
+        return self._driven_bodies.ahead(interval)
 
     def save(self) -> Saved:
         shafts = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}

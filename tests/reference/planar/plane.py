@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from adapters.frames.common.drive import displacement, rotation
+from adapters.frames.common.drive import coordinates
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import BodyPlan, DrivePlan
 
@@ -141,8 +141,9 @@ class PlanarDrive:
     def coordinates(self, time_s: Array) -> tuple[Array, Array]:
         """Return displacement of the centre of mass up and along, and angle; and their rates: (times,
         3) each."""
-        shift_m, shift_m_per_s = (in_plane(vectors) for vectors in displacement(self._drive, time_s))
-        angle_rad, spin_rad_per_s = (vectors[:, 1] for vectors in rotation(self._drive, time_s))
+        value, rate = coordinates(self._drive, time_s)
+        shift_m, shift_m_per_s = in_plane(value[:, 0]), in_plane(rate[:, 0])
+        angle_rad, spin_rad_per_s = value[:, 1, 1], rate[:, 1, 1]
         moved_m = shift_m + np.expm1(1j * angle_rad) * self._arm_m
         velocity_m_per_s = shift_m_per_s + 1j * spin_rad_per_s * np.exp(1j * angle_rad) * self._arm_m
         place = np.stack([moved_m.real, moved_m.imag, angle_rad], axis=1)
