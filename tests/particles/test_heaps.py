@@ -78,6 +78,7 @@ def test_a_heap_has_the_published_slope_by_its_shape_class(module: ParticlesAdap
             sliding_friction=itself["sliding_friction"].value,
             rolling_friction=shapes()[materials()[name].shape].rolling_friction.value,
             restitution=itself["restitution"].value,
+            radius_diameters=8.0,
             heaps=4,
         )
     )

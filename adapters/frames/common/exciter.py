@@ -37,16 +37,19 @@ class Shaft(SavedAttributes, Unbalance):
         self.angle_rad, self.speed_rad_per_s = exciter.phase_rad, 0.0
         self.motor_J = self.lost_J = 0.0
 
-    def torque_N_m(self, speed_rad_per_s: Array, time_s: Array) -> Array:
-        """Return the motor's torque (n,) on a shaft at these speeds and times, (n,) each.
+    def synchronous_rad_per_s(self, time_s: Array) -> Array:
+        """Return the synchronous speed (n,) at the times (n,).
 
-        The synchronous speed runs up and down as an exciter's does, at constant voltage over frequency.
+        It runs up and down as an exciter's speed does, at constant voltage over frequency.
         """
         exciter = self._exciter
         up, _ = run_up(time_s - exciter.start_s, exciter.run_up_s)
         down, _ = run_up(time_s - exciter.stop_s, exciter.run_down_s)
-        synchronous_rad_per_s = self._motor.synchronous_rad_per_s * up * (1 - down)
-        return motor_torque_N_m(self._motor, synchronous_rad_per_s - speed_rad_per_s)
+        return np.asarray(self._motor.synchronous_rad_per_s * up * (1 - down))
+
+    def torque_N_m(self, speed_rad_per_s: Array, time_s: Array) -> Array:
+        """Return the motor's torque (n,) on a shaft at these speeds and times, (n,) each."""
+        return motor_torque_N_m(self._motor, self.synchronous_rad_per_s(time_s) - speed_rad_per_s)
 
     def growth_rad_per_s2(
         self, angle_rad: Array, speed_rad_per_s: Array, torque_N_m: Array, felt_m_per_s2: Array

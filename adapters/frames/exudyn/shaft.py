@@ -7,6 +7,7 @@ import numpy as np
 from adapters.frames.common.exciter import Shaft
 from adapters.frames.exudyn.poses import Attached, Poses
 from orchestrator.ports import Array, linear_frames
+from orchestrator.ports.physics import motor_torque_N_m
 from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan, SolverFailed
 
 MOST_ROUNDS = 50
@@ -65,7 +66,8 @@ class SpatialShaft(Shaft):
         self._felt_before_m_per_s2, self._felt_m_per_s2 = self._felt_m_per_s2, gained_m_per_s / step_s
         angle_rad, speed_rad_per_s = self._ahead(self._felt_m_per_s2, end_s, step_s)
         turned_rad = angle_rad - self.angle_rad
-        self.motor_J += self._mean_torque_N_m(speed_rad_per_s, end_s, step_s) * turned_rad
+        torque_N_m = self._mean_torque_N_m(speed_rad_per_s, self._synchronous(end_s, step_s))
+        self.motor_J += torque_N_m * turned_rad
         self.lost_J += self._motor.bearing_N_m_s * turned_rad**2 / step_s
         self.angle_rad, self.speed_rad_per_s = angle_rad, speed_rad_per_s
 
@@ -73,10 +75,10 @@ class SpatialShaft(Shaft):
         """Return angle and speed at the step's end, for this mean acceleration of the shaft's place."""
         if end_s - step_s < self._exciter.start_s - 1e-9 * step_s:  # until then a brake holds the shaft
             return self.angle_rad, 0.0
-        speed = self.speed_rad_per_s
+        speed, synchronous_rad_per_s = self.speed_rad_per_s, self._synchronous(end_s, step_s)
         for _ in range(MOST_ROUNDS):
             mean = np.array((self.speed_rad_per_s + speed) / 2)
-            torque_N_m = self._mean_torque_N_m(speed, end_s, step_s)
+            torque_N_m = self._mean_torque_N_m(speed, synchronous_rad_per_s)
             growth = self.growth_rad_per_s2(
                 self.angle_rad + step_s / 2 * mean, mean, np.array(torque_N_m), felt_m_per_s2
             )
@@ -87,7 +89,11 @@ class SpatialShaft(Shaft):
             f"exudyn frames at {end_s} s: a motor's step does not settle; take a smaller frames.step_s"
         )
 
-    def _mean_torque_N_m(self, speed_rad_per_s: float, end_s: float, step_s: float) -> float:
+    def _synchronous(self, end_s: float, step_s: float) -> Array:
+        """Return the synchronous speeds (2,) at the start and the end of a step."""
+        return self.synchronous_rad_per_s(np.array([end_s - step_s, end_s]))
+
+    def _mean_torque_N_m(self, speed_rad_per_s: float, synchronous_rad_per_s: Array) -> float:
         """Return the mean of the torque over a step that ends at this speed."""
-        ends_s = np.array([end_s - step_s, end_s])
-        return float(self.torque_N_m(np.array([self.speed_rad_per_s, speed_rad_per_s]), ends_s).mean())
+        lags_rad_per_s = synchronous_rad_per_s - (self.speed_rad_per_s, speed_rad_per_s)
+        return float(motor_torque_N_m(self._motor, lags_rad_per_s).sum() / 2)
