@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import locale
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -15,6 +14,7 @@ from hypothesis import strategies as st
 
 from orchestrator.case.bed.bed_table import read_table
 from orchestrator.case.bed.saved_bed import UnreadableBed
+from orchestrator.case.file import particle_files
 from orchestrator.case.tables.carried_bed import CarriedBed
 from orchestrator.case.tables.case import Case
 from tests.cases import load_case, loaded
@@ -139,9 +139,7 @@ def test_a_file_for_paraview(tmp_path: Path, suffix: str) -> None:
     data = {"radii": np.array(RADII), "linVelVec": np.array([[0.0, 0, -1], [0, 0, -2]])}
     mesh = meshio.Mesh(np.array(PLACES), [("vertex", np.array([[0], [1]]))], point_data=data)
     mesh.write(tmp_path / f"bed.{suffix}")
-    before = locale.setlocale(locale.LC_ALL)
     bed = read_table(tmp_path / f"bed.{suffix}", case_of(tmp_path))
-    assert locale.setlocale(locale.LC_ALL) == before
     np.testing.assert_allclose(bed.position_m, PLACES, rtol=1e-6)
     np.testing.assert_allclose(bed.grains.sieve_size_m, [0.005, 0.01])
     assert bed.velocity_m_per_s[:, 2].tolist() == [-1.0, -2.0]
@@ -159,6 +157,18 @@ def test_a_file_for_paraview_that_ends_too_early(tmp_path: Path) -> None:
         file.write_bytes(whole[:length])
         with pytest.raises(UnreadableBed, match="whole"):
             read_table(file, case_of(tmp_path))
+
+
+def test_a_file_over_which_vtk_takes_too_long_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """VTK reads in a process of its own, which may hang or crash."""
+    file = tmp_path / "bed.vtu"
+    meshio.Mesh(np.array(PLACES), [("vertex", np.array([[0], [1]]))], point_data={"radii": RADII}).write(file)
+    assert len(read_table(file, case_of(tmp_path))) == 2
+    monkeypatch.setattr(particle_files, "LONGEST_S", 0.01)
+    with pytest.raises(UnreadableBed, match="whole"):
+        read_table(file, case_of(tmp_path))
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,10 @@ that style granular, too.
 
 from __future__ import annotations
 
-import locale
 import re
-import warnings
+import subprocess
+import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from orchestrator.case.file.data_table import Column, DataTable, TableError, spl
 from orchestrator.ports import Array
 
 VTK = (".vtk", ".vtu", ".vtp")
+LONGEST_S = 120.0  # time that reading a VTK file may take
 LISTS = (".pvd", ".pvtu", ".pvtp", ".vtm", ".series")
 BY_CODE = "particles"
 SPHERES = ("id", "type", "diameter", "density", "x", "y", "z")
@@ -148,24 +150,15 @@ def read_vtk(file: Path) -> DataTable:
 
     Raises TableError.
     """
-    import pyvista
-    from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
-
-    usual, said = vtkOutputWindow.GetInstance(), vtkStringOutputWindow()
-    own_locale = locale.setlocale(locale.LC_ALL)  # VTK sets another, in which Python reads text as ASCII
-    vtkOutputWindow.SetInstance(said)  # VTK says of a damaged file that it is one, and reads on
-    try:
-        with warnings.catch_warnings(action="ignore"):
-            mesh = pyvista.read(file)
-        data = {name: np.asarray(mesh.point_data[name]) for name in mesh.point_data}
-        arrays = {"Points": np.asarray(mesh.points), **data}
-    except Exception as error:  # pyvista and VTK raise what they like for a damaged file
-        raise TableError(f"cannot be read ({type(error).__name__}): is it whole?") from None
-    finally:
-        vtkOutputWindow.SetInstance(usual)
-        locale.setlocale(locale.LC_ALL, own_locale)
-    if said.GetOutput().strip():
-        raise TableError("cannot be read: is it whole?")
+    with tempfile.TemporaryDirectory() as place:
+        out = Path(place) / "points.npz"
+        command = [sys.executable, "-m", "orchestrator.case.file.vtk_reader", str(file.resolve()), str(out)]
+        try:
+            subprocess.run(command, capture_output=True, timeout=LONGEST_S, check=True)
+            with np.load(out) as stored:
+                arrays = {name: stored[f"arr_{number}"] for number, name in enumerate(stored["names"])}
+        except (subprocess.SubprocessError, OSError, ValueError):
+            raise TableError("cannot be read: is it whole?") from None
     if not len(arrays["Points"]):
         raise TableError("has no particles")
     return DataTable(
