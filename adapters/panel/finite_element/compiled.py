@@ -1,6 +1,6 @@
 """Forms and expressions compiled for this processor.
 
-Optimised code halves the time of an assembly (measured, docs/theory/panel_sheet.md).  It must not
+Optimised code halves the time of an assembly.  It must not
 run on another kind of processor, so each kind has a cache folder of its own.
 
 The cache is shared by all processes of a home.  What is in it is loaded without asking anybody.

@@ -1,7 +1,7 @@
 """Walls of the openings, between the upper and the lower side of the mat.
 
 A sphere that falls onto an opening passes it with the chance of a thin rim, however deep it is: who has sunk
-below the upper rim, a wall does not throw back (docs/theory/perforated_panel.md).  A grain as large as an
+below the upper rim, a wall does not throw back (docs/theory/deep_openings.md).  A grain as large as an
 opening is what walls hold and rims do not: the stretched mat, or a blow, lets it in, and the walls clamp it.
 """
 
