@@ -100,6 +100,8 @@ def compute_forces(
     contacts = find_contacts(
         spheres, surface, motion.position_m, near, laws.normal, None if before is None else before.contacts
     )
+    if before is not None and not len(contacts.first) and not len(before.contacts.first):
+        return replace(before, contacts=contacts, lost_J=0.0, damping_W=0.0)  # in free flight
     surface_m_per_s, surface_rad_per_s = contacts.at_contacts(motion.velocity_m_per_s)
     slip_m_per_s = contacts.compute_slip(spheres.velocity_m_per_s, spheres.spin_rad_per_s, surface_m_per_s)
     spin_rad_per_s = contacts.compute_spin(spheres.spin_rad_per_s, surface_rad_per_s)
