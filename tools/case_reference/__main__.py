@@ -25,6 +25,7 @@ from orchestrator.case.tables.quantities import Table
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.scene.effect import Part
 from orchestrator.studies.design.study_file import StudyFile
+from tools.case_reference.texts import texts_of
 
 ROWS = "tables"
 """A list of tables, in words."""
@@ -100,7 +101,7 @@ def _sections(table: type[BaseModel], path: str, seen: Seen, file: str) -> Itera
         keys = {key: field for key, field in keys.items() if key not in shared.model_fields}
         same = ", ".join(f"`{key}`" for key in shared.model_fields)
         yield fill(f"As in {first}: {same}.", WIDTH) + "\n"
-    yield "\n".join([HEAD, *_rows(keys, "", seen)]) + "\n"
+    yield "\n".join([HEAD, *_rows(table, keys, "", seen)]) + "\n"
     sections = []
     for key, field in keys.items():
         tables = tables_in(field.annotation)
@@ -117,19 +118,20 @@ def _sections(table: type[BaseModel], path: str, seen: Seen, file: str) -> Itera
         yield from _sections(within, name, seen, file)
 
 
-def _rows(keys: Mapping[str, FieldInfo], above: str, seen: Seen) -> Iterator[str]:
-    """Yield the rows of keys, and of the keys in small tables, whose names have the key ``above``."""
+def _rows(table: type[BaseModel], keys: Mapping[str, FieldInfo], above: str, seen: Seen) -> Iterator[str]:
+    """Yield the rows of keys of a table, and of those in small tables, whose names have the key ``above``."""
+    texts = texts_of(table)
     for key, field in keys.items():
         tables = tables_in(field.annotation)
         folded = [(within, place) for within, place in tables if within not in seen and _is_small(within)]
         if not tables or _choices(field.annotation):
-            yield f"|`{above}{key}` |{_value(field)} |{_text(field.description)}|"
+            yield f"|`{above}{key}` |{_value(field)} |{_text(texts.get(key))}|"
         for within, place in folded:
             if not _choices(field.annotation):
                 kind = "**table**" if field.is_required() else "tables" if _is_list(field) else "table"
                 yield f"|`{key}{place}` |{kind} |{_text(within.__doc__)}|"
             seen[within] = key
-            yield from _rows(within.model_fields, f"{key}{place}.", seen)
+            yield from _rows(within, within.model_fields, f"{key}{place}.", seen)
 
 
 def _is_small(table: type[BaseModel]) -> bool:

@@ -18,12 +18,11 @@ from pydantic import BaseModel, ConfigDict, Strict, StringConstraints
 class Table(BaseModel):
     """A frozen table that refuses unknown keys, NaN and infinity.
 
-    The text under each field documents it, and docs/case-format.md is generated from these texts.
+    The text under each field documents it, and docs/case-format.md is generated from these texts
+    (``tools/case_reference``).
     """
 
-    model_config = ConfigDict(
-        defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
-    )
+    model_config = ConfigDict(defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False)
 
     def times(self, factor: float, *keys: str) -> Self:
         """Return a copy with the values of these keys multiplied; keys without a value stay without one."""

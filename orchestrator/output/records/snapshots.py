@@ -10,9 +10,9 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Mapping
+from html import escape
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
 import meshio
 import numpy as np
@@ -75,7 +75,7 @@ class Series:
     def _row(self, number: int) -> str:
         files = [*([self._file(number)] if self._moves else []), *([self._beside] if self._beside else [])]
         time = f'timestep="{self._time_s[number]!r}"'
-        rows = (f'<DataSet {time} part="{n}" file={quoteattr(file)}/>\n' for n, file in enumerate(files))
+        rows = (f'<DataSet {time} part="{n}" file="{escape(file)}"/>\n' for n, file in enumerate(files))
         return "".join(rows)
 
     def _write_list(self) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import fisher_exact, ttest_ind
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.results.run_reader import RunReader
@@ -35,6 +34,8 @@ def why_not_settled(run: RunReader, start_s: float, end_s: float) -> str:
     Turns up and ranges of the middle may differ as far as chance lets them, which it does where a motion
     never repeats itself.
     """
+    from scipy.stats import fisher_exact  # takes a tenth of a second
+
     names = run.names("panel_cycles") if run.is_driven else []
     for name in names:
         extremes_m = _extremes_m(run, name, start_s, end_s)
@@ -57,6 +58,8 @@ def why_not_settled(run: RunReader, start_s: float, end_s: float) -> str:
 
 def _differ(first: Array, last: Array, chance: float) -> bool:
     """Return whether two samples have different means beyond chance (Welch's test)."""
+    from scipy.stats import ttest_ind
+
     if np.ptp(first) == 0.0 == np.ptp(last):
         return bool(first[0] != last[0])
     return bool(ttest_ind(first, last, equal_var=False).pvalue < chance)
